@@ -194,7 +194,7 @@ impl BurstscopeApp {
                 model.shell.messages.settle(purpose.title(), begun);
             }
             Effect::StartLesson(lesson) => self.start_lesson(lesson),
-            Effect::ForgetWidgets => (self.widgets, self.workspace) = Default::default(),
+            Effect::ForgetWidgets => self.widgets = Default::default(),
         }
     }
 

@@ -1,9 +1,13 @@
 //! Values that are made again when their key changes.
 
+use egui::{Context, Id};
 use std::any::Any;
+use std::fmt::Debug;
+use std::hash::Hash;
 use std::sync::Arc;
 
 /// The last value, with its key.
+#[derive(Clone)]
 pub struct Memo<K, V>(Option<(K, V)>);
 
 impl<K, V> Default for Memo<K, V> {
@@ -19,8 +23,21 @@ impl<K: PartialEq, V> Memo<K, V> {
     }
 }
 
+/// The value of `key`, which the toolkit keeps under `id` until that of another key is asked for.
+pub fn kept<K, V>(ctx: &Context, id: impl Debug + Hash, key: K, make: impl FnOnce() -> V) -> V
+where
+    K: PartialEq + Clone + Send + Sync + 'static,
+    V: Clone + Send + Sync + 'static,
+{
+    let id = Id::unique(id);
+    let mut memo: Memo<K, V> = ctx.data_mut(|data| data.remove_temp(id)).unwrap_or_default();
+    let value = memo.get(key, make).clone();
+    ctx.data_mut(|data| data.insert_temp(id, memo));
+    value
+}
+
 /// A shared value, which equals itself alone. It is kept alive, so that no other has its address.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Itself(Arc<dyn Any + Send + Sync>);
 
 impl<T: Any + Send + Sync> From<&Arc<T>> for Itself {

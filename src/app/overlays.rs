@@ -4,7 +4,7 @@ use super::actions::menu::Palette;
 use super::actions::{ActionId, Queue, menu};
 use super::dataset::CutDialog;
 use super::dialogs::{PathField, ReplaceFile, ShapeDialog};
-use super::figure::{FigureDialog, FilmDialog};
+use super::figure::{figure_ui, film_ui};
 use super::files;
 use super::inspector::PaneWidgets;
 use super::lesson::Lessons;
@@ -24,8 +24,8 @@ pub(super) struct Overlays {
     pub sheet_open: bool,
     pub about_open: bool,
     pub glossary: GlossaryWindow,
-    pub figure: FigureDialog,
-    pub film: FilmDialog,
+    pub figure_open: bool,
+    pub film_open: bool,
     pub calibration: Option<OpenOptions>,
     pub path_field: Option<PathField>,
     pub replace_file: Option<ReplaceFile>,
@@ -51,8 +51,8 @@ impl Overlays {
             ActionId::Shortcuts => self.sheet_open = !self.sheet_open,
             ActionId::About => self.about_open = true,
             ActionId::Glossary => self.glossary.open(None),
-            ActionId::FigureOptions => self.figure.is_open = true,
-            ActionId::FilmOptions => self.film.is_open = true,
+            ActionId::FigureOptions => self.figure_open = true,
+            ActionId::FilmOptions => self.film_open = true,
             ActionId::Calibration => _ = self.calibration_draft(&model.document.calibration),
             ActionId::OpenPath => self.open_path_field(Purpose::OpenPath(Side::A), String::new(), false),
             ActionId::OpenPathB => self.open_path_field(Purpose::OpenPath(Side::B), String::new(), false),
@@ -75,8 +75,8 @@ impl Overlays {
             || self.sheet_open
             || self.about_open
             || lessons.list_is_open
-            || self.figure.is_open
-            || self.film.is_open
+            || self.figure_open
+            || self.film_open
             || self.calibration.is_some()
             || self.path_field.is_some()
             || self.replace_file.is_some()
@@ -102,8 +102,8 @@ impl Overlays {
         if lessons.open.is_some() && !self.are_modal(lessons) {
             super::lesson::highlights_ui(ctx);
         }
-        self.figure.ui(ctx, model, widgets, queue);
-        self.film.ui(ctx, model, queue);
+        figure_ui(ctx, &mut self.figure_open, (model, widgets), queue);
+        film_ui(ctx, &mut self.film_open, model, queue);
         effects.extend(modals::calibration_ui(ctx, &mut self.calibration, queue).map(Effect::Ask));
         effects.extend(self.path_ui(ctx, (model, remembered), queue));
         if let Some(burst) = modals::chooser_ui(ctx, &mut self.choice) {

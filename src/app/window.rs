@@ -17,7 +17,7 @@ use super::recovery::Recovery;
 use super::session::Restoring;
 use super::settings::Settings;
 use super::startup::{EndRequest, Startup};
-use super::workspace::{WorkspaceParts, WorkspaceState, switch_ui, workspace_ui};
+use super::workspace::{WorkspaceParts, switch_ui, workspace_ui};
 use super::{actions, clipboard, panel, parts};
 use crate::app::apply::{asking, explained, methods, pair, panes, params};
 use crate::app::document::{ExportKind, Purpose, Side};
@@ -33,7 +33,6 @@ pub struct BurstscopeApp {
     pub model: Model,
     pub engine: Engine,
     pub widgets: PaneWidgets,
-    pub(super) workspace: WorkspaceState,
     pub(super) thumbnails: Thumbnails,
     pub(super) overlays: Overlays,
     pub(super) restoring: Restoring,
@@ -66,7 +65,6 @@ impl BurstscopeApp {
             model,
             engine: Engine::new(on_update.clone(), startup.settings.cache_bytes()),
             widgets: PaneWidgets::default(),
-            workspace: WorkspaceState::default(),
             thumbnails: Thumbnails::default(),
             overlays: Overlays::default(),
             restoring: Restoring::default(),
@@ -295,8 +293,8 @@ impl BurstscopeApp {
                     panel::welcome::welcome_ui(ui, Read::of(&self.model), &self.settings, &self.lessons, queue);
             });
         } else {
-            let Self { model, widgets, workspace: state, .. } = self;
-            workspace_ui(ui, &mut WorkspaceParts { model: Read::of(model), widgets, state, queue });
+            let Self { model, widgets, .. } = self;
+            workspace_ui(ui, &mut WorkspaceParts { model: Read::of(model), widgets, queue });
             if let Some(rect_ui) = self.widgets.get(self.model.document.focus()).and_then(|widgets| widgets.rect_ui) {
                 let Self { model, lessons, .. } = self;
                 start_lesson = panel::welcome::card_ui(ui.ctx(), Read::of(model), lessons, rect_ui, queue);

@@ -23,7 +23,7 @@ const PANELS: &[(&str, Drawing)] = &[
         probe::probe_tab_ui(ui, model, "Display", "The other tab", queue);
     }),
     ("bottom", |ui, model, queue| {
-        bottom::bottom_ui(ui, model, &Default::default(), &mut Default::default(), queue);
+        bottom::bottom_ui(ui, model, &Default::default(), queue);
     }),
     ("closed bottom", bottom::closed_ui),
     ("table", table::table_ui),

@@ -1,7 +1,7 @@
 //! Question for the shape of a file without header: the first frame in each likely shape, or a shape that is typed.
 
 use crate::app::document::{Pointed, Queue, Side};
-use crate::app::memo::{Itself, Memo};
+use crate::app::memo::{Itself, kept};
 use crate::app::panel::widgets::{accept_ui, error_ui, modal_ui, named, weak_ui};
 use crate::app::results::Read;
 use crate::burst::Dump;
@@ -22,8 +22,6 @@ pub struct ShapeDialog {
     shapes: Vec<(PossibleShape, Option<TextureHandle>)>,
     /// The shape that is chosen, as text that can be edited.
     text: String,
-    /// The first frame in that shape.
-    texture: Memo<Itself, TextureHandle>,
 }
 
 fn texture(ui: &Ui, name: &str, shape: &PossibleShape) -> TextureHandle {
@@ -37,6 +35,13 @@ fn picture(texture: &TextureHandle) -> Image<'_> {
 
 fn words(shape: &PossibleShape) -> String {
     format!("{}, {}", shape.dump, counted(shape.frames as usize, "frame"))
+}
+
+fn preview_ui(ui: &mut Ui, made: &Arc<PossibleShape>) {
+    let words = words(made);
+    let texture = kept(ui.ctx(), "first frame in a shape", Itself::from(made), || texture(ui, &words, made));
+    ui.add(picture(&texture).alt_text(format!("First frame in {words}")));
+    weak_ui(ui, words);
 }
 
 impl ShapeDialog {
@@ -83,7 +88,7 @@ impl ShapeDialog {
                     Err(_) if self.text.trim().is_empty() => {}
                     Err(why) => _ = error_ui(ui, why),
                     Ok(None) => _ = weak_ui(ui, "Reading…"),
-                    Ok(Some(made)) => _ = ui.horizontal(|ui| self.preview_ui(ui, made)),
+                    Ok(Some(made)) => _ = ui.horizontal(|ui| preview_ui(ui, made)),
                 }
             });
             ui.add_space(6.0);
@@ -99,13 +104,6 @@ impl ShapeDialog {
             *self = Self::default();
         }
         None
-    }
-
-    fn preview_ui(&mut self, ui: &mut Ui, made: &Arc<PossibleShape>) {
-        let words = words(made);
-        let texture = self.texture.get(made.into(), || texture(ui, &words, made));
-        ui.add(picture(texture).alt_text(format!("First frame in {words}")));
-        weak_ui(ui, words);
     }
 
     /// Returns whether a shape was chosen for good, by a double click.

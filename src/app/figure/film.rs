@@ -3,7 +3,7 @@
 use super::export_row_ui;
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::{Action, FilmChoice, FilmContent};
-use crate::app::memo::{Itself, Memo};
+use crate::app::memo::{Itself, kept};
 use crate::app::panel::widgets::modal_ui;
 use crate::app::results::Read;
 use crate::export::film::{FILM_RATES, estimated_film_bytes};
@@ -12,37 +12,28 @@ use crate::plane::display::to_rgba8;
 use egui::{DragValue, Grid, Ui};
 use image::imageops::{FilterType, resize};
 
-#[derive(Default)]
-pub struct FilmDialog {
-    pub is_open: bool,
-    /// Words about the choice, the picture and the features.
-    told: Memo<(FilmChoice, [Option<Itself>; 2]), String>,
-}
-
 /// Longest side, pixels, of the picture in which the bytes of a pixel are measured.
 const MEASURED_PX: u32 = 320;
 
-impl FilmDialog {
-    pub fn ui(&mut self, ctx: &egui::Context, model: Read<'_>, queue: &mut Queue) {
-        if !self.is_open {
-            return;
-        }
-        let mut close = false;
-        let dismissed = modal_ui(ctx, "film", 380.0, "Film", |ui| {
-            ui.weak("Each picture with its features, numbers, colours, and the response over all of them");
-            ui.add_space(6.0);
-            let mut film = model.document.film;
-            choice_ui(ui, &mut film);
-            queue.edit(model.document, Action::SetFilm(film));
-            ui.add_space(4.0);
-            let picture = model.picture().map(|picture| Itself::from(&picture.plane));
-            let found = model.found_of(model.active_side()).map(|found| Itself::from(&found.detection));
-            ui.label(self.told.get((model.document.film, [picture, found]), || tell(model)));
-            ui.weak("GIF has 256 colours; MP4 is made by the ffmpeg in PATH; PNG is a file for each picture");
-            close = export_row_ui(ui, ActionId::ExportFilmGif, queue, |_| {});
-        });
-        self.is_open &= !(close || dismissed);
+pub fn film_ui(ctx: &egui::Context, is_open: &mut bool, model: Read<'_>, queue: &mut Queue) {
+    if !*is_open {
+        return;
     }
+    let mut close = false;
+    let dismissed = modal_ui(ctx, "film", 380.0, "Film", |ui| {
+        ui.weak("Each picture with its features, numbers, colours, and the response over all of them");
+        ui.add_space(6.0);
+        let mut film = model.document.film;
+        choice_ui(ui, &mut film);
+        queue.edit(model.document, Action::SetFilm(film));
+        ui.add_space(4.0);
+        let picture = model.picture().map(|picture| Itself::from(&picture.plane));
+        let found = model.found_of(model.active_side()).map(|found| Itself::from(&found.detection));
+        ui.label(kept(ctx, "words of a film", (model.document.film, picture, found), || tell(model)));
+        ui.weak("GIF has 256 colours; MP4 is made by the ffmpeg in PATH; PNG is a file for each picture");
+        close = export_row_ui(ui, ActionId::ExportFilmGif, queue, |_| {});
+    });
+    *is_open &= !(close || dismissed);
 }
 
 fn tell(model: Read<'_>) -> String {

@@ -3,7 +3,7 @@
 
 mod film;
 
-pub use film::FilmDialog;
+pub use film::film_ui;
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::overlay::{ColourBy, ColourScale, MatchLine, Pane, UNKNOWN, drawn_lines};
@@ -11,7 +11,7 @@ use crate::app::canvas::{self, RectTransform, number};
 use crate::app::document::export::{ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use crate::app::document::{Action, FigureChoice, MethodId, Pointed, RangeClass, Side};
 use crate::app::inspector::{PaneWidgets, joined_panes};
-use crate::app::memo::{Itself, Memo};
+use crate::app::memo::{Itself, kept};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, describe};
@@ -27,7 +27,7 @@ use crate::export::{
 use crate::inspect::words::counted;
 use crate::plane::display::Display;
 use crate::requests::{FigurePicture, FigureRequest, PictureAnswer, slope_legend, titled};
-use egui::{Align, ColorImage, DragValue, Image, Layout, TextureHandle, TextureOptions, Ui, Vec2, vec2};
+use egui::{Align, ColorImage, Context, DragValue, Image, Layout, TextureOptions, Ui, Vec2, vec2};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -264,70 +264,62 @@ fn rgb(colour: egui::Color32) -> [u8; 3] {
     [colour.r(), colour.g(), colour.b()]
 }
 
-/// The form of a figure, with a preview of the file beside the choices.
-#[derive(Default)]
-pub struct FigureDialog {
-    pub is_open: bool,
-    texture: Memo<Itself, TextureHandle>,
-}
-
 /// Width of the choices, points.
 const CHOICES: f32 = 380.0;
 
-impl FigureDialog {
-    pub fn ui(&mut self, ctx: &egui::Context, model: Read<'_>, widgets: &PaneWidgets, queue: &mut Queue) {
-        if !self.is_open {
-            return;
-        }
-        // What a small window has beside the choices.
-        let room = ctx.content_rect().size() - vec2(CHOICES + 90.0, 200.0);
-        let room = room.clamp(Vec2::splat(120.0), Vec2::splat(400.0));
-        let (mut choice, mut close, mut asked) = (model.document.figure, false, None);
-        let width = CHOICES + room.x + 12.0;
-        let dismissed = modal_ui(ctx, "figure", width, "Figure of what is shown", |ui| {
-            ui.weak("Features, filter, colours and part of the picture as in the panes");
-            ui.add_space(6.0);
-            ui.horizontal_top(|ui| {
-                ui.vertical(|ui| {
-                    ui.set_width(CHOICES);
-                    let document = model.document;
-                    size_ui(ui, &mut choice, document.workspace.shows_pair() || document.compares_methods());
-                    ui.add_space(4.0);
-                    switches_ui(ui, &mut choice);
-                    close = export_row_ui(ui, ActionId::ExportFigure, queue, |ui| {
-                        if ui.button("Reset").on_hover_text("Give every choice its default").clicked() {
-                            choice = FigureChoice::default();
-                        }
-                    });
-                });
-                let figure = figure_of(model, widgets, &choice);
-                let column = Layout::top_down(Align::Center);
-                ui.allocate_ui_with_layout(room, column, |ui| self.preview_ui(ui, model, &figure));
-                asked = figure.ok();
-            });
-        });
-        queue.edit(model.document, Action::SetFigure(choice));
-        self.is_open &= !(close || dismissed);
-        let asked = asked.filter(|_| self.is_open);
-        queue.set(model.results.preview.asked(), asked, |asked| Pointed::Figure(asked.map(Box::new)).into());
+/// Draws the form of a figure, with a preview of the file beside the choices.
+pub fn figure_ui(ctx: &Context, is_open: &mut bool, (model, widgets): (Read<'_>, &PaneWidgets), queue: &mut Queue) {
+    if !*is_open {
+        return;
     }
-
-    /// Draws the last preview that was made, until that of `figure` is there, or why there is none.
-    fn preview_ui(&mut self, ui: &mut Ui, model: Read<'_>, figure: &Result<FigureRequest, String>) {
-        ui.set_min_size(ui.available_size());
-        match model.results.preview.on_show(figure) {
-            Err(why) => _ = error_ui(ui, why),
-            Ok(None) => _ = ui.weak("Drawing…"),
-            Ok(Some(made)) => {
-                let texture = self.texture.get(made.into(), || {
-                    let size = [made.image.width(), made.image.height()].map(|side| side as usize);
-                    let image = ColorImage::from_rgba_unmultiplied(size, made.image.as_raw());
-                    ui.ctx().load_texture("preview of the figure", image, TextureOptions::LINEAR)
+    // What a small window has beside the choices.
+    let room = ctx.content_rect().size() - vec2(CHOICES + 90.0, 200.0);
+    let room = room.clamp(Vec2::splat(120.0), Vec2::splat(400.0));
+    let (mut choice, mut close, mut asked) = (model.document.figure, false, None);
+    let width = CHOICES + room.x + 12.0;
+    let dismissed = modal_ui(ctx, "figure", width, "Figure of what is shown", |ui| {
+        ui.weak("Features, filter, colours and part of the picture as in the panes");
+        ui.add_space(6.0);
+        ui.horizontal_top(|ui| {
+            ui.vertical(|ui| {
+                ui.set_width(CHOICES);
+                let document = model.document;
+                size_ui(ui, &mut choice, document.workspace.shows_pair() || document.compares_methods());
+                ui.add_space(4.0);
+                switches_ui(ui, &mut choice);
+                close = export_row_ui(ui, ActionId::ExportFigure, queue, |ui| {
+                    if ui.button("Reset").on_hover_text("Give every choice its default").clicked() {
+                        choice = FigureChoice::default();
+                    }
                 });
-                // Fewer pixels than there is room for are not enlarged.
-                let image = Image::new(texture).fit_to_original_size(1.0 / ui.ctx().pixels_per_point());
-                ui.add(image.max_size(ui.available_size()).alt_text(&made.words)).on_hover_text(&made.words);
-            }
+            });
+            let figure = figure_of(model, widgets, &choice);
+            let column = Layout::top_down(Align::Center);
+            ui.allocate_ui_with_layout(room, column, |ui| preview_ui(ui, model, &figure));
+            asked = figure.ok();
+        });
+    });
+    queue.edit(model.document, Action::SetFigure(choice));
+    *is_open &= !(close || dismissed);
+    let asked = asked.filter(|_| *is_open);
+    queue.set(model.results.preview.asked(), asked, |asked| Pointed::Figure(asked.map(Box::new)).into());
+}
+
+/// Draws the last preview that was made, until that of `figure` is there, or why there is none.
+fn preview_ui(ui: &mut Ui, model: Read<'_>, figure: &Result<FigureRequest, String>) {
+    ui.set_min_size(ui.available_size());
+    match model.results.preview.on_show(figure) {
+        Err(why) => _ = error_ui(ui, why),
+        Ok(None) => _ = ui.weak("Drawing…"),
+        Ok(Some(made)) => {
+            let texture = kept(ui.ctx(), "preview of a figure", Itself::from(made), || {
+                let size = [made.image.width(), made.image.height()].map(|side| side as usize);
+                let image = ColorImage::from_rgba_unmultiplied(size, made.image.as_raw());
+                ui.ctx().load_texture("preview of the figure", image, TextureOptions::LINEAR)
+            });
+            // Fewer pixels than there is room for are not enlarged.
+            let image = Image::new(&texture).fit_to_original_size(1.0 / ui.ctx().pixels_per_point());
+            ui.add(image.max_size(ui.available_size()).alt_text(&made.words)).on_hover_text(&made.words);
         }
     }
 }

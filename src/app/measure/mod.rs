@@ -5,7 +5,7 @@ mod panels;
 
 pub use crate::app::document::panes::{Hidden, MaskShape, Measure, MeasuredLine, MeasuredRegion, Tool};
 pub use hidden::{hidden_ui, mask_of};
-pub use panels::{RegionCache, profile_ui, region_ui};
+pub use panels::{profile_ui, region_ui};
 
 use crate::app::canvas::{CanvasOutput, Picture};
 use crate::app::document::{Action, Queue};

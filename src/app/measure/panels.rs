@@ -3,36 +3,26 @@
 use super::{PaneRegion, measured_panes, profiles_of, region_in};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
-use crate::app::gpu::PictureId;
 use crate::app::inspector::PaneWidgets;
-use crate::app::memo::Memo;
-use crate::app::pane::PaneId;
+use crate::app::memo::kept;
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::results::Read;
 use crate::app::ticks;
 use crate::app::view::fixed;
 use crate::plane::sample::{RegionStatistics, region_statistics};
-use crate::plane::statistics::{Histogram, Region, histogram};
+use crate::plane::statistics::{Histogram, histogram};
 use egui::{Color32, RichText, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, Corner, Legend, Line, PlotPoints};
-use std::collections::HashMap;
 
 const BINS: usize = 64;
 
-type RegionValues = (Option<RegionStatistics>, Option<Histogram>);
-
-#[derive(Default)]
-pub struct RegionCache(HashMap<PaneId, Memo<(PictureId, Region), RegionValues>>);
-
-impl RegionCache {
-    fn of(&mut self, of: &PaneRegion) -> &RegionValues {
-        self.0.entry(of.id).or_default().get((of.picture.id, of.region.clone()), || {
-            let statistics = region_statistics(&of.picture.plane, &of.region);
-            // A region of one value has no histogram.
-            let range = statistics.map(|s| (s.min, s.max)).filter(|(min, max)| min < max);
-            (statistics, range.map(|(min, max)| histogram(&of.picture.plane, &of.region, min, max, BINS)))
-        })
-    }
+fn values(ui: &Ui, of: &PaneRegion) -> (Option<RegionStatistics>, Option<Histogram>) {
+    kept(ui.ctx(), ("values of the region", of.id), (of.picture.id, of.region.clone()), || {
+        let statistics = region_statistics(&of.picture.plane, &of.region);
+        // A region of one value has no histogram.
+        let range = statistics.map(|s| (s.min, s.max)).filter(|(min, max)| min < max);
+        (statistics, range.map(|(min, max)| histogram(&of.picture.plane, &of.region, min, max, BINS)))
+    })
 }
 
 const COLUMNS: [(&str, &str); 7] = [
@@ -48,7 +38,7 @@ const COLUMNS: [(&str, &str); 7] = [
     ),
 ];
 
-pub fn region_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, cache: &mut RegionCache, queue: &mut Queue) {
+pub fn region_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &mut Queue) {
     let Some(region) = model.document.measure.region else {
         ui.horizontal(|ui| {
             ui.weak("Drag a rectangle on a picture to measure the values in it.");
@@ -63,7 +53,7 @@ pub fn region_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, cache: &mu
     }
     let panes = measured_panes(model, region.pane).into_iter();
     let regions: Vec<PaneRegion> = panes.filter_map(|id| region_in(model, widgets, &region, id)).collect();
-    let rows: Vec<[String; COLUMNS.len()]> = regions.iter().map(|of| row(of, cache.of(of).0)).collect();
+    let rows: Vec<[String; COLUMNS.len()]> = regions.iter().map(|of| row(of, values(ui, of).0)).collect();
     ui.horizontal(|ui| {
         button_ui(ui, model, queue, ActionId::MeasureRegion, Some("Draw a rectangle"));
         if ui.button("Copy numbers").on_hover_text("Copy the table, tabs between the columns").clicked() {
@@ -75,7 +65,7 @@ pub fn region_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, cache: &mu
         ui.weak(format!("{from} to {to}: {:.1} × {:.1} px", rect.width(), rect.height()));
     });
     let focused = regions.iter().find(|of| of.id == model.document.focus()).or(regions.first());
-    let histogram = focused.and_then(|of| Some((of.number, cache.of(of).1.clone()?)));
+    let histogram = focused.and_then(|of| Some((of.number, values(ui, of).1?)));
     ui.horizontal_top(|ui| {
         let width = (0.72 * ui.available_width()).max(300.0);
         ui.allocate_ui(egui::vec2(width, ui.available_height()), |ui| {

@@ -3,7 +3,7 @@
 use crate::app::actions::ActionId;
 use crate::app::document::{Action, Queue, Side};
 use crate::app::inspector::PaneWidgets;
-use crate::app::measure::{RegionCache, profile_ui, region_ui};
+use crate::app::measure::{profile_ui, region_ui};
 use crate::app::panel::widgets::with_whole_numbers;
 use crate::app::panel::{against, methods, noise, slopes, table, tally};
 use crate::app::parts::mark;
@@ -69,7 +69,7 @@ fn summary_ui(ui: &mut Ui, model: Read<'_>, summary: fn(Read<'_>, &FoundFeatures
     });
 }
 
-pub fn bottom_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
+pub fn bottom_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &mut Queue) {
     // Widgets beside the tabs go below them where there is no space.
     let tabs = ui.horizontal_wrapped(|ui| {
         if ui.available_width() < ROOMY {
@@ -98,7 +98,7 @@ pub fn bottom_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, regions: &
         BottomTab::Noise => noise::noise_ui(ui, model, queue),
         BottomTab::Slopes => slopes::slopes_ui(ui, model, queue),
         BottomTab::Profile => profile_ui(ui, model, widgets, queue),
-        BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
+        BottomTab::Region => region_ui(ui, model, widgets, queue),
         BottomTab::Compared => against::against_ui(ui, model, widgets, queue),
         BottomTab::Methods => methods::table_ui(ui, model, queue),
     }

@@ -12,7 +12,7 @@ use crate::requests::next_commands;
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 
 pub(super) fn matches_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
-    let (model, camera_text, queue) = (parts.model, &mut parts.state.camera_text, &mut *parts.queue);
+    let (model, WorkspaceParts { queue, .. }) = (parts.model, parts);
     let (Some(dataset), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else {
         CentralPanel::default().show(ui, |ui| empty_ui(ui, model, queue));
         return;
@@ -22,7 +22,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
             pairs_ui(ui, model, queue);
             selected_ui(ui, model, queue);
             next_ui(ui, model, queue);
-            parameters::dataset_parameters_ui(ui, model, camera_text, queue);
+            parameters::dataset_parameters_ui(ui, model, queue);
         });
     }
     let mut opened = None;

@@ -8,26 +8,16 @@ use crate::app::actions::{ActionId, Queue, button_ui, checked, workspaces};
 use crate::app::dataset::{cameras, errors_panel};
 use crate::app::document::{LabQuestion, Pointed, Side};
 use crate::app::inspector::{PaneWidgets, inspector_ui};
-use crate::app::measure::RegionCache;
 use crate::app::panel;
 use crate::app::panel::lab::{self, chart, curves, planted};
 use crate::app::panel::widgets::{instead_ui, named, section_ui};
 use crate::app::results::Read;
 use crate::teach::{BottomTab, Workspace};
 use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
-use pair::parameters::CameraText;
-
-/// State of the panels of the workspaces between passes.
-#[derive(Default)]
-pub struct WorkspaceState {
-    camera_text: CameraText,
-    regions: RegionCache,
-}
 
 pub struct WorkspaceParts<'a> {
     pub model: Read<'a>,
     pub widgets: &'a mut PaneWidgets,
-    pub state: &'a mut WorkspaceState,
     pub queue: &'a mut Queue,
 }
 
@@ -198,7 +188,7 @@ fn strip_ui(ui: &mut Ui, panel: Panel, toggle: ActionId, contents: &str, queue: 
 }
 
 fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
-    let (model, WorkspaceParts { widgets, state, queue, .. }) = (parts.model, parts);
+    let (model, WorkspaceParts { widgets, queue, .. }) = (parts.model, parts);
     let width = side_width(model);
     folded_ui(ui, model, queue);
     if model.shows_left() {
@@ -239,7 +229,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     }
     let mut over_rows = None;
     if model.shows_bottom() {
-        let show = |ui: &mut egui::Ui| panel::bottom::bottom_ui(ui, model, widgets, &mut state.regions, queue);
+        let show = |ui: &mut egui::Ui| panel::bottom::bottom_ui(ui, model, widgets, queue);
         let is_over = bottom_panel(ui, model, "bottom", 276.0, show);
         over_rows = Some(model.document.bottom_tab).filter(|_| is_over);
     } else if !model.document.panels.hall {

@@ -22,7 +22,7 @@ use crate::teach::Part;
 use egui::{CentralPanel, Color32, DragValue, Frame, Margin, Panel, Role, Sense, Stroke, Ui, vec2};
 
 pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
-    let (model, WorkspaceParts { widgets, state, queue, .. }) = (parts.model, parts);
+    let (model, WorkspaceParts { widgets, queue, .. }) = (parts.model, parts);
     folded_ui(ui, model, queue);
     let match_is_left = model.match_is_left();
     if model.shows_left() && !match_is_left {
@@ -30,7 +30,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
             sides_ui(ui, model, queue);
             switches_ui(ui, model, queue);
             panel::cursor::cursor_ui(ui, model, queue);
-            parameters::parameters_ui(ui, model, &mut state.camera_text, queue);
+            parameters::parameters_ui(ui, model, queue);
             panel::parameters::parameters_ui(ui, model, queue);
         });
     }

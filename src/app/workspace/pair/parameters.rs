@@ -13,13 +13,13 @@ use crate::detector::params::Param;
 use crate::matching::params::doc;
 use crate::matching::{Camera, CameraModel, Geometry, MatchParams};
 use crate::teach::Part;
-use egui::{Align, Layout, RichText, Ui};
+use egui::{Align, Id, Layout, RichText, Ui};
 
 const ADVANCED: [Param<MatchParams>; 5] =
     [doc::MIN_INLIERS, doc::CONFIDENCE, doc::MAX_ITERATIONS, doc::SEED, doc::CAMERA];
 
 #[derive(Debug, Clone, Default)]
-pub struct CameraText {
+struct CameraText {
     text: String,
     /// Camera of the text, to notice a camera set elsewhere.
     camera: Option<Camera>,
@@ -46,7 +46,7 @@ impl CameraText {
     }
 }
 
-pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, camera: &mut CameraText, queue: &mut Queue) {
+pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
         ui.horizontal(|ui| {
             button_ui(ui, model, queue, ActionId::Match, None);
@@ -55,20 +55,19 @@ pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, camera: &mut CameraText, queu
             });
         });
         ui.add_space(4.0);
-        all_rows_ui(ui, model, camera, queue);
+        all_rows_ui(ui, model, queue);
     });
 }
 
-pub fn dataset_parameters_ui(ui: &mut Ui, model: Read<'_>, camera: &mut CameraText, queue: &mut Queue) {
+pub fn dataset_parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
         button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
         ui.add_space(4.0);
-        all_rows_ui(ui, model, camera, queue);
+        all_rows_ui(ui, model, queue);
     });
 }
 
-fn all_rows_ui(ui: &mut Ui, model: Read<'_>, camera: &mut CameraText, queue: &mut Queue) {
-    let size = model.burst_of(Side::A).map(|open| open.burst.size());
+fn all_rows_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let error = model.results.pair.param_error.as_ref();
     let mut params = model.document.matching.clone();
     let p = &mut params;
@@ -85,7 +84,7 @@ fn all_rows_ui(ui: &mut Ui, model: Read<'_>, camera: &mut CameraText, queue: &mu
     let mut row = |ui: &mut Ui, record: &Param<MatchParams>| {
         ui.add_enabled_ui((record.in_use)(p), |ui| {
             if *record == doc::CAMERA {
-                camera_ui(ui, &table, p, camera, size);
+                camera_ui(ui, model, &table, p);
             } else {
                 table.row(ui, record, p);
             }
@@ -98,13 +97,11 @@ fn all_rows_ui(ui: &mut Ui, model: Read<'_>, camera: &mut CameraText, queue: &mu
     queue.edit(model.document, Action::SetMatching(Box::new(params)));
 }
 
-fn camera_ui(
-    ui: &mut Ui,
-    table: &ParamTable<'_, MatchParams>,
-    p: &mut MatchParams,
-    typed: &mut CameraText,
-    size: Option<(usize, usize)>,
-) {
+fn camera_ui(ui: &mut Ui, model: Read<'_>, table: &ParamTable<'_, MatchParams>, p: &mut MatchParams) {
+    let size = model.burst_of(Side::A).map(|open| open.burst.size());
+    // A lesson has a text of its own, as it has a project.
+    let id = Id::unique(("typed camera", model.is_in_lesson()));
+    let mut typed: CameraText = ui.data(|data| data.get_temp(id)).unwrap_or_default();
     typed.follow(p.camera.as_ref());
     let guess_ui = |ui: &mut Ui, camera: &mut Option<Camera>, _| {
         let tip = "Focal length 1.2 times the larger side, principal point at the image centre: COLMAP's guess where nothing is known";
@@ -130,6 +127,7 @@ fn camera_ui(
     if let Some(problem) = &typed.problem {
         error_ui(ui, RichText::new(problem).small());
     }
+    ui.data_mut(|data| data.insert_temp(id, typed));
 }
 
 #[cfg(test)]
