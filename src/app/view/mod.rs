@@ -7,6 +7,7 @@ pub use pan_zoom::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom};
 use crate::detector::quantity::{BRIGHT, Colours, Form, WARM};
 use crate::detector::{Feature, MotionLayer, Quantity, Slope};
 use crate::inspect::place::Judged;
+use crate::inspect::words;
 use serde::{Deserialize, Serialize};
 
 /// Motion or quantity that the colours of features show: each quantity whose record has colours.
@@ -143,31 +144,16 @@ pub fn layer_text(number: i32, layer: &MotionLayer) -> String {
 
 /// Formats a number with `digits` significant digits, without trailing zeros: `0.0123`, `1234`, `−3.2e−7`, `NaN`.
 pub fn number(value: f32, digits: usize) -> String {
-    if value.is_nan() {
-        return "NaN".to_owned();
-    }
-    if value.is_infinite() {
-        return if value > 0.0 { "∞" } else { "−∞" }.to_owned();
-    }
-    if value == 0.0 {
-        return "0".to_owned();
+    if value == 0.0 || !value.is_finite() {
+        return with_minus(value.to_string()).replace("inf", "∞");
     }
     let magnitude = value.abs().log10().floor() as i32;
     // From 0.0001 to ten million in plain digits: beyond, zeros would hide the size.
-    let text = if (-4..7).contains(&magnitude) {
-        let decimals = (digits as i32 - 1 - magnitude).max(0) as usize;
-        let fixed = format!("{value:.decimals$}");
-        if fixed.contains('.') { fixed.trim_end_matches('0').trim_end_matches('.').to_owned() } else { fixed }
-    } else {
-        let scientific = format!("{value:.*e}", digits.saturating_sub(1));
-        match scientific.split_once('e') {
-            Some((mantissa, exponent)) if mantissa.contains('.') => {
-                format!("{}e{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
-            }
-            _ => scientific,
-        }
-    };
-    text.replace('-', "−")
+    if (-4..7).contains(&magnitude) {
+        return words::number(value, (digits as i32 - 1 - magnitude).max(0) as usize);
+    }
+    let rounded = format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(f64::from(value));
+    format!("{rounded:e}").replace('-', "−")
 }
 
 pub fn signed_number(value: f32, digits: usize) -> String {
