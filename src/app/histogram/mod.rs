@@ -168,18 +168,15 @@ pub fn ends_ui(ui: &mut Ui, display: &mut Display) -> bool {
     ui.horizontal(|ui| {
         if display.symmetric {
             let mut limit = display.max;
-            let label = ui.label("Range ±");
-            if value_ui(ui, &mut limit, speed).labelled_by(label.id).changed() {
+            if value_ui(ui, "Range ±", &mut limit, speed) {
                 *display = display.with_range(-limit.abs(), limit.abs());
             }
         } else {
             let (mut min, mut max) = (display.min, display.max);
-            let label = ui.label("Min");
-            if value_ui(ui, &mut min, speed).labelled_by(label.id).changed() {
+            if value_ui(ui, "Min", &mut min, speed) {
                 *display = display.with_range(min, max.max(min));
             }
-            let label = ui.label("Max");
-            if value_ui(ui, &mut max, speed).labelled_by(label.id).changed() {
+            if value_ui(ui, "Max", &mut max, speed) {
                 *display = display.with_range(min.min(max), max);
             }
             let button = ui.button("0 – 1").on_hover_text("The full scale of the file: from black to saturated.");
@@ -192,7 +189,8 @@ pub fn ends_ui(ui: &mut Ui, display: &mut Display) -> bool {
     full_scale
 }
 
-fn value_ui(ui: &mut Ui, value: &mut f32, speed: f64) -> Response {
+fn value_ui(ui: &mut Ui, name: &str, value: &mut f32, speed: f64) -> bool {
+    let label = ui.label(name);
     let drag = DragValue::new(value)
         .speed(speed)
         .update_while_editing(false)
@@ -200,7 +198,8 @@ fn value_ui(ui: &mut Ui, value: &mut f32, speed: f64) -> Response {
         .custom_parser(|text| {
             text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
         });
-    ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), drag).on_hover_text("As a fraction of full scale.")
+    let field = ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), drag).labelled_by(label.id);
+    field.on_hover_text("As a fraction of full scale.").changed()
 }
 
 fn colours_ui(ui: &mut Ui, display: &mut Display) {

@@ -63,10 +63,8 @@ impl Content {
 
 choices! {
     SliceAxis {
-        /// Along the probed motion: the x–t slice for horizontal motion.
         Along: "Slice along the motion",
         "A row for each frame through the probed place, along its motion (x–t): what moves is slanted";
-        /// Across it: the y–t slice for horizontal motion.
         Across: "Slice across the motion", "A row for each frame through the probed place, across its motion (y–t)";
     }
 }
