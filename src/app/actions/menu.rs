@@ -305,9 +305,7 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
         ui.horizontal(|ui| {
             ui.heading("Keyboard shortcuts");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.button("Close").clicked() {
-                    ui.close();
-                }
+                crate::app::panel::widgets::close_ui(ui, "Close");
                 ui.weak("In the picture: drag to pan, wheel to zoom, click to select");
             });
         });

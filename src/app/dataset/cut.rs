@@ -28,8 +28,8 @@ impl CutDialog {
 
     /// Draws the dialog. Returns the dataset when it was accepted, and whether the dialog stays open.
     pub fn ui(&mut self, ctx: &egui::Context) -> (Option<DatasetSource>, bool) {
-        let mut accepted = None;
-        let dismissed = modal_ui(ctx, "cut sequence", 400.0, "Cut a sequence into bursts", |ui| {
+        let (mut accepted, mut stays) = (None, true);
+        modal_ui(ctx, &mut stays, ("cut sequence", 400.0, "Cut a sequence into bursts"), |ui| {
             let place = self.paths.first().map_or_else(String::new, |p| p.display().to_string());
             ui.weak(format!("{}: {place}", counted(self.frames, "frame")));
             ui.add_space(6.0);
@@ -39,10 +39,10 @@ impl CutDialog {
             ui.add_space(6.0);
             if accept_ui(ui, "Cut", true).clicked() || ui.input(|i| i.key_pressed(egui::Key::Enter)) {
                 accepted = Some(self.source());
+                ui.close();
             }
         });
-        let stay = accepted.is_none() && !dismissed;
-        (accepted, stay)
+        (accepted, stays)
     }
 
     fn rows_ui(&mut self, ui: &mut Ui) {

@@ -33,7 +33,7 @@ impl PathField {
         (model, recent): (Read<'_>, &[String]),
         queue: &mut Queue,
     ) -> (Option<PathBuf>, bool) {
-        let mut accepted = None;
+        let (mut accepted, mut stays) = (None, true);
         let pressed = |key| ctx.input(|i| i.key_pressed(key));
         self.chooses |= pressed(Key::ArrowDown) || pressed(Key::ArrowUp);
         let asked = FolderRequest(folder_of(&self.text));
@@ -46,7 +46,7 @@ impl PathField {
             self.text = common.unwrap_or(std::mem::take(&mut self.text));
             select(ctx, id, &self.text, [self.text.len(); 2]);
         }
-        let dismissed = modal_ui(ctx, "path field", 480.0, self.purpose.title(), |ui| {
+        modal_ui(ctx, &mut stays, ("path field", 480.0, self.purpose.title()), |ui| {
             if self.instead_of_dialog {
                 ui.weak("This system shows no file dialog, so please type the path.");
             }
@@ -79,12 +79,12 @@ impl PathField {
             let is_ready = !self.text.trim().is_empty();
             if (accept_ui(ui, verb, is_ready).clicked() || entered) && is_ready {
                 accepted = Some(path_from_text(&self.text));
+                ui.close();
             }
         });
-        let stay = accepted.is_none() && !dismissed;
-        let asked = stay.then_some(asked);
+        let asked = stays.then_some(asked);
         queue.set(model.results.folder.asked(), asked, |asked| Pointed::Folder(asked).into());
-        (accepted, stay)
+        (accepted, stays)
     }
 }
 

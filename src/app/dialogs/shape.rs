@@ -66,9 +66,9 @@ impl ShapeDialog {
         queue.set(model.results.shape.asked(), asked, |asked| Pointed::Shape(asked).into());
         let (path, chosen) = path.zip(chosen)?;
         let on_show = model.results.shape.on_show(&chosen);
-        let mut accepts = false;
+        let (mut accepts, mut stays) = (false, true);
         let width = COLUMNS as f32 * (CELL_POINTS.x + 18.0);
-        let dismissed = modal_ui(ctx, "shape of file", width, "Shape of a file without header", |ui| {
+        modal_ui(ctx, &mut stays, ("shape of file", width, "Shape of a file without header"), |ui| {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
             weak_ui(ui, name).on_hover_text(path.display().to_string());
             ui.add_space(6.0);
@@ -100,7 +100,7 @@ impl ShapeDialog {
             let (side, source) = std::mem::take(self).asked?;
             return Some((side, source, dump));
         }
-        if dismissed {
+        if !stays {
             *self = Self::default();
         }
         None

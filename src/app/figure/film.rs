@@ -16,11 +16,7 @@ use image::imageops::{FilterType, resize};
 const MEASURED_PX: u32 = 320;
 
 pub fn film_ui(ctx: &egui::Context, is_open: &mut bool, model: Read<'_>, queue: &mut Queue) {
-    if !*is_open {
-        return;
-    }
-    let mut close = false;
-    let dismissed = modal_ui(ctx, "film", 380.0, "Film", |ui| {
+    modal_ui(ctx, is_open, ("film", 380.0, "Film"), |ui| {
         ui.weak("Each picture with its features, numbers, colours, and the response over all of them");
         ui.add_space(6.0);
         let mut film = model.document.film;
@@ -31,9 +27,8 @@ pub fn film_ui(ctx: &egui::Context, is_open: &mut bool, model: Read<'_>, queue: 
         let found = model.found_of(model.active_side()).map(|found| Itself::from(&found.detection));
         ui.label(kept(ctx, "words of a film", (model.document.film, picture, found), || tell(model)));
         ui.weak("GIF has 256 colours; MP4 is made by the ffmpeg in PATH; PNG is a file for each picture");
-        close = export_row_ui(ui, ActionId::ExportFilmGif, queue, |_| {});
+        export_row_ui(ui, ActionId::ExportFilmGif, queue, |_| {});
     });
-    *is_open &= !(close || dismissed);
 }
 
 fn tell(model: Read<'_>) -> String {

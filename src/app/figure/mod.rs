@@ -15,7 +15,7 @@ use crate::app::memo::{Itself, kept};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, describe};
-use crate::app::panel::widgets::{error_ui, modal_ui};
+use crate::app::panel::widgets::{close_ui, error_ui, modal_ui};
 use crate::app::results::{MatchRow, Matches, Read};
 use crate::app::workspace::pair::lines::line_of;
 use crate::burst::Offset;
@@ -269,15 +269,12 @@ const CHOICES: f32 = 380.0;
 
 /// Draws the form of a figure, with a preview of the file beside the choices.
 pub fn figure_ui(ctx: &Context, is_open: &mut bool, (model, widgets): (Read<'_>, &PaneWidgets), queue: &mut Queue) {
-    if !*is_open {
-        return;
-    }
     // What a small window has beside the choices.
     let room = ctx.content_rect().size() - vec2(CHOICES + 90.0, 200.0);
     let room = room.clamp(Vec2::splat(120.0), Vec2::splat(400.0));
-    let (mut choice, mut close, mut asked) = (model.document.figure, false, None);
+    let (mut choice, mut asked) = (model.document.figure, None);
     let width = CHOICES + room.x + 12.0;
-    let dismissed = modal_ui(ctx, "figure", width, "Figure of what is shown", |ui| {
+    modal_ui(ctx, is_open, ("figure", width, "Figure of what is shown"), |ui| {
         ui.weak("Features, filter, colours and part of the picture as in the panes");
         ui.add_space(6.0);
         ui.horizontal_top(|ui| {
@@ -287,7 +284,7 @@ pub fn figure_ui(ctx: &Context, is_open: &mut bool, (model, widgets): (Read<'_>,
                 size_ui(ui, &mut choice, document.workspace.shows_pair() || document.compares_methods());
                 ui.add_space(4.0);
                 switches_ui(ui, &mut choice);
-                close = export_row_ui(ui, ActionId::ExportFigure, queue, |ui| {
+                export_row_ui(ui, ActionId::ExportFigure, queue, |ui| {
                     if ui.button("Reset").on_hover_text("Give every choice its default").clicked() {
                         choice = FigureChoice::default();
                     }
@@ -300,7 +297,6 @@ pub fn figure_ui(ctx: &Context, is_open: &mut bool, (model, widgets): (Read<'_>,
         });
     });
     queue.edit(model.document, Action::SetFigure(choice));
-    *is_open &= !(close || dismissed);
     let asked = asked.filter(|_| *is_open);
     queue.set(model.results.preview.asked(), asked, |asked| Pointed::Figure(asked.map(Box::new)).into());
 }
@@ -324,17 +320,17 @@ fn preview_ui(ui: &mut Ui, model: Read<'_>, figure: &Result<FigureRequest, Strin
     }
 }
 
-/// Draws the last row of a form: a button that exports, others, and one that closes. Returns whether the form is to be
-/// closed.
-fn export_row_ui(ui: &mut Ui, export: ActionId, queue: &mut Queue, others_ui: impl FnOnce(&mut Ui)) -> bool {
+/// Draws the last row of a form: a button that exports, others, and one that closes it.
+fn export_row_ui(ui: &mut Ui, export: ActionId, queue: &mut Queue, others_ui: impl FnOnce(&mut Ui)) {
     ui.add_space(8.0);
-    let row = ui.horizontal(|ui| {
-        let exports = ui.button("Export…").on_hover_text(export.action().help).clicked();
-        queue.push_if(exports, export);
+    ui.horizontal(|ui| {
+        if ui.button("Export…").on_hover_text(export.action().help).clicked() {
+            queue.push(export);
+            ui.close();
+        }
         others_ui(ui);
-        ui.button("Close").clicked() || exports
+        close_ui(ui, "Close");
     });
-    row.inner
 }
 
 fn switches_ui(ui: &mut Ui, choice: &mut FigureChoice) {

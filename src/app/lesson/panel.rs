@@ -6,7 +6,7 @@ use super::{LessonAction, Lessons, OpenLesson};
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Side;
 use crate::app::inspector::PaneWidgets;
-use crate::app::panel::widgets::{modal_ui, named, weak_ui};
+use crate::app::panel::widgets::{close_ui, modal_ui, named, weak_ui};
 use crate::app::results::Read;
 use crate::app::words::caption_ui;
 use crate::app::{parts, style};
@@ -214,11 +214,8 @@ pub fn highlights_ui(ctx: &Context) {
 pub type Chosen = Option<Arc<Lesson>>;
 
 pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) -> Chosen {
-    if !lessons.list_is_open {
-        return None;
-    }
-    let mut chosen = None;
-    let dismissed = modal_ui(ctx, "lessons", 520.0, "Lessons", |ui| {
+    let (mut chosen, mut is_open) = (None, lessons.list_is_open);
+    modal_ui(ctx, &mut is_open, ("lessons", 520.0, "Lessons"), |ui| {
         ui.weak("Each takes a few minutes and runs in this window. What is open now comes back afterwards.");
         ui.add_space(8.0);
         // Of one height in all passes, so that no row moves under the pointer.
@@ -229,16 +226,14 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
         });
         ui.add_space(8.0);
         ui.horizontal(|ui| {
-            if ui.button("Close").clicked() {
-                ui.close();
-            }
+            close_ui(ui, "Close");
             if ui.button("Open lessons…").on_hover_text("A folder of your own lessons (TOML files)").clicked() {
                 queue.push(ActionId::OpenLessons);
                 ui.close();
             }
         });
     });
-    lessons.list_is_open &= !(chosen.is_some() || dismissed);
+    lessons.list_is_open = is_open && chosen.is_none();
     chosen
 }
 

@@ -2,7 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::{Action, Purpose};
-use crate::app::panel::widgets::{modal_ui, named};
+use crate::app::panel::widgets::{close_ui, modal_ui, named};
 use crate::app::settings::Settings;
 use crate::burst::{FrameRange, OpenOptions, RawColour, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 use crate::engine::Engine;
@@ -124,8 +124,8 @@ fn views_ui(ui: &mut Ui, views: &mut Option<ViewsChoice>) {
 /// chosen.
 pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>, queue: &mut Queue) -> Option<Purpose> {
     let options = draft.as_mut()?;
-    let (mut choice, mut close) = (None, false);
-    let dismissed = modal_ui(ctx, "calibration", 520.0, "Calibration", |ui| {
+    let (mut choice, mut stays) = (None, true);
+    modal_ui(ctx, &mut stays, ("calibration", 520.0, "Calibration"), |ui| {
         ui.weak("How values in files become intensities. A calibration frame can be dropped here.");
         ui.add_space(6.0);
         egui::Grid::new("calibration").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
@@ -145,7 +145,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>, queu
             let shown = if is_turned { frames.len() } else { frames.len() - 1 };
             for (label, path, tip, purposes) in frames.into_iter().take(shown) {
                 ui.label(label).on_hover_text(tip);
-                close |= file_ui(ui, label, path, purposes, &mut choice, queue);
+                file_ui(ui, label, path, purposes, &mut choice, queue);
                 ui.end_row();
             }
             let full = "Value in the files that becomes intensity 1, such as 4095 for 12 bits in 16-bit files";
@@ -176,22 +176,21 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>, queu
             let tip = "Open the present bursts again with these options. Mask, part, times and views are theirs; the rest is used for later bursts too";
             if ui.button("Apply").on_hover_text(tip).clicked() {
                 queue.push(Action::Calibrate(options.clone()));
-                close = true;
+                ui.close();
             }
             if ui.button("Reset").on_hover_text("Use the values of the files as they are").clicked() {
                 *options = OpenOptions::default();
             }
-            close |= ui.button("Cancel").clicked();
+            close_ui(ui, "Cancel");
         });
     });
-    if close || dismissed {
+    if !stays {
         *draft = None;
     }
     choice
 }
 
 /// Draws the choice of an optional file, and of a folder or a drawing in its place where there are `purposes` for them.
-/// Returns whether the dialog is left to draw a mask.
 fn file_ui(
     ui: &mut Ui,
     label: &str,
@@ -199,17 +198,19 @@ fn file_ui(
     purposes: &[Purpose],
     choice: &mut Option<Purpose>,
     queue: &mut Queue,
-) -> bool {
-    let row = ui.horizontal(|ui| {
+) {
+    ui.horizontal(|ui| {
         let words = [format!("Choose {}…", label.to_lowercase()), "Folder…".to_owned()];
         for (word, purpose) in words.into_iter().zip(purposes) {
             if ui.button(word).on_hover_text(purpose.hint()).clicked() {
                 *choice = Some(*purpose);
             }
         }
-        let draws = purposes.len() > 1 && ui.button("Draw").on_hover_text(ActionId::DrawMask.action().help).clicked();
-        queue.push_if(draws, ActionId::WorkspaceInspect);
-        queue.push_if(draws, ActionId::DrawMask);
+        if purposes.len() > 1 && ui.button("Draw").on_hover_text(ActionId::DrawMask.action().help).clicked() {
+            queue.push(ActionId::WorkspaceInspect);
+            queue.push(ActionId::DrawMask);
+            ui.close();
+        }
         if let Some(chosen) = path.clone() {
             if ui.button(format!("Remove {}", label.to_lowercase())).clicked() {
                 *path = None;
@@ -219,9 +220,7 @@ fn file_ui(
         } else {
             ui.weak("none");
         }
-        draws
     });
-    row.inner
 }
 
 fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip: &str) {
@@ -269,10 +268,8 @@ fn notices_ui(ui: &mut Ui) {
 
 /// Draws the box about the program, in which the memory for pictures can be set.
 pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings: &mut Settings) {
-    if !*open {
-        return;
-    }
-    let dismissed = modal_ui(ctx, "about", 420.0, &format!("Burstscope {}", env!("CARGO_PKG_VERSION")), |ui| {
+    let heading = format!("Burstscope {}", env!("CARGO_PKG_VERSION"));
+    modal_ui(ctx, open, ("about", 420.0, &heading), |ui| {
         ui.label(env!("CARGO_PKG_DESCRIPTION"));
         ui.add_space(6.0);
         ui.label("The method is that of A. Ravendran, M. Bryson and D. G. Dansereau, “BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction”.");
@@ -295,36 +292,30 @@ pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings:
         ui.label("MIT or Apache-2.0, at your option.");
         notices_ui(ui);
         ui.add_space(6.0);
-        if ui.button("Close").clicked() {
-            ui.close();
-        }
+        close_ui(ui, "Close");
     });
-    *open &= !dismissed;
 }
 
 /// Draws the choice among `bursts` if there are any. Returns the chosen one; then, or when the dialog is closed,
 /// `bursts` becomes empty.
 pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<BurstSource> {
-    if bursts.is_empty() {
-        return None;
-    }
-    let mut chosen = None;
-    let dismissed = modal_ui(ctx, "burst chooser", 360.0, &format!("{} bursts in this folder", bursts.len()), |ui| {
+    let (mut chosen, mut is_open) = (None, !bursts.is_empty());
+    let heading = format!("{} bursts in this folder", bursts.len());
+    modal_ui(ctx, &mut is_open, ("burst chooser", 360.0, &heading), |ui| {
         ui.weak("Choose the burst to open.");
         ui.add_space(6.0);
         ScrollArea::vertical().max_height(320.0).min_scrolled_height(200.0).show(ui, |ui| {
             for burst in bursts.iter() {
                 if row_ui(ui, burst).clicked() {
                     chosen = Some(burst.clone());
+                    ui.close();
                 }
             }
         });
         ui.add_space(6.0);
-        if ui.button("Cancel").clicked() {
-            ui.close();
-        }
+        close_ui(ui, "Cancel");
     });
-    if chosen.is_some() || dismissed {
+    if !is_open {
         bursts.clear();
     }
     chosen

@@ -93,14 +93,28 @@ pub fn choice_ui<T: PartialEq + Copy>(
     shown.inner.unwrap_or(false)
 }
 
-/// Draws a dialog over the window, `width` points wide. Returns whether it is to be closed.
-pub fn modal_ui(ctx: &Context, id: &str, width: f32, heading: &str, add_contents: impl FnOnce(&mut Ui)) -> bool {
-    let modal = egui::Modal::new(Id::unique(id)).show(ctx, |ui| {
-        ui.set_width(width);
-        ui.heading(heading);
-        add_contents(ui);
-    });
-    modal.should_close()
+/// Draws a dialog over the window, `width` points wide, while it is `open`.
+pub fn modal_ui(
+    ctx: &Context,
+    open: &mut bool,
+    (id, width, heading): (&str, f32, &str),
+    add_contents: impl FnOnce(&mut Ui),
+) {
+    if *open {
+        let modal = egui::Modal::new(Id::unique(id)).show(ctx, |ui| {
+            ui.set_width(width);
+            ui.heading(heading);
+            add_contents(ui);
+        });
+        *open = !modal.should_close();
+    }
+}
+
+/// Draws a button that closes the dialog around it.
+pub fn close_ui(ui: &mut Ui, text: &str) {
+    if ui.button(text).clicked() {
+        ui.close();
+    }
 }
 
 /// Draws the last row of a dialog: a button called `verb`, which can be pressed if it `is_ready`, and one that closes it.
@@ -108,9 +122,7 @@ pub fn modal_ui(ctx: &Context, id: &str, width: f32, heading: &str, add_contents
 pub fn accept_ui(ui: &mut Ui, verb: &str, is_ready: bool) -> Response {
     let row = ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let accept = ui.add_enabled(is_ready, Button::new(verb));
-        if ui.button("Cancel").clicked() {
-            ui.close();
-        }
+        close_ui(ui, "Cancel");
         accept
     });
     row.inner
@@ -118,14 +130,14 @@ pub fn accept_ui(ui: &mut Ui, verb: &str, is_ready: bool) -> Response {
 
 /// Asks whether to go on, by a button called `verb`. Returns the answer, once it is given.
 pub fn confirm_ui(ctx: &Context, id: &str, heading: &str, verb: &str, texts: impl FnOnce(&mut Ui)) -> Option<bool> {
-    let mut goes_on = false;
-    let dismissed = modal_ui(ctx, id, 420.0, heading, |ui| {
+    let (mut goes_on, mut stays) = (false, true);
+    modal_ui(ctx, &mut stays, (id, 420.0, heading), |ui| {
         ui.add_space(4.0);
         texts(ui);
         ui.add_space(6.0);
         goes_on = accept_ui(ui, verb, true).clicked();
     });
-    (goes_on || dismissed).then_some(goes_on)
+    (goes_on || !stays).then_some(goes_on)
 }
 
 /// Shows a tooltip at the pointer, over whatever is drawn there but an open menu.
