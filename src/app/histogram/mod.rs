@@ -73,28 +73,16 @@ impl HistogramPanel {
         if ends_ui(ui, display) {
             self.axis = None;
         }
-        self.buttons_ui(ui, picture, visible, display);
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            if ranges_ui(ui, picture, visible, display) {
+                // The axis is chosen again for the new range.
+                self.axis = None;
+            }
+        });
         ui.add_space(4.0);
         colours_ui(ui, display);
         *display != before
-    }
-
-    fn buttons_ui(&mut self, ui: &mut Ui, picture: Option<&Picture>, visible: Option<Rect>, display: &mut Display) {
-        let mut wanted = None;
-        ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing.x = 4.0;
-            for of in RangeOf::ALL {
-                let range = picture.and_then(|picture| of.range(picture, visible));
-                let [label, help] = of.words();
-                let button = ui.add_enabled(range.is_some(), egui::Button::new(label));
-                wanted = range.filter(|_| button.on_hover_text(help).clicked()).or(wanted);
-            }
-        });
-        if let Some((min, max)) = wanted {
-            *display = display.with_range(min, max);
-            // The axis is chosen again for the new range.
-            self.axis = None;
-        }
     }
 
     fn plot_ui(&mut self, ui: &mut Ui, picture: &Picture, display: &mut Display) {
@@ -159,6 +147,19 @@ fn bin_text(histogram: &Histogram, value: f32) -> String {
     let i = ((t * histogram.counts.len() as f32).max(0.0) as usize).min(histogram.counts.len() - 1);
     let (from, to) = histogram.bin_range(i);
     format!("{} … {}: {}", number(from, 4), number(to, 4), counted(histogram.counts[i] as usize, "pixel"))
+}
+
+/// Draws a button for each choice of values that the range can be set from; returns whether one was pressed.
+pub fn ranges_ui(ui: &mut Ui, picture: Option<&Picture>, visible: Option<Rect>, display: &mut Display) -> bool {
+    let mut is_set = false;
+    for of in RangeOf::ALL {
+        let (range, [label, help]) = (picture.and_then(|picture| of.range(picture, visible)), of.words());
+        let button = ui.add_enabled(range.is_some(), egui::Button::new(label)).on_hover_text(help);
+        if let Some((min, max)) = range.filter(|_| button.clicked()) {
+            (*display, is_set) = (display.with_range(min, max), true);
+        }
+    }
+    is_set
 }
 
 /// Draws the numbers of the range; returns whether its button was pressed.

@@ -5,7 +5,7 @@ use super::widgets::{PaneWidgets, long_description, short_description};
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, Panels, RangeClass, Visibility};
-use crate::app::histogram::{RangeOf, ends_ui};
+use crate::app::histogram::{ends_ui, ranges_ui};
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
 use crate::app::panel::display::features_shown_ui;
 use crate::app::panel::picture::PictureState;
@@ -198,14 +198,7 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidget
     let picture = widgets.of(id).picture.shown();
     egui::Popup::menu(&range).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
         ends_ui(ui, &mut display);
-        for choice in RangeOf::ALL {
-            let of = picture.and_then(|picture| choice.range(picture, visible_image));
-            let [label, help] = choice.words();
-            let button = ui.add_enabled(of.is_some(), Button::new(label)).on_hover_text(help);
-            if let Some((min, max)) = of.filter(|_| button.clicked()) {
-                display = display.with_range(min, max);
-            }
-        }
+        ranges_ui(ui, picture, visible_image, &mut display);
         if ui.button("Histogram, colours…").on_hover_text("Open the panel Display").clicked() {
             queue.push(Action::SetPanels(Panels { right: Visibility::Open, ..model.document.panels }));
             ui.close();
