@@ -434,8 +434,9 @@ def colmap(
     Returns
     -------
     dict
-        What ``burstscope colmap --json`` says of cameras, images, pairs, how far keypoints were moved, and in
-        ``no_start`` why a mapper would not be able to start, or ``None``.
+        What ``burstscope colmap --json`` says of cameras, images, pairs, how far keypoints were moved, in
+        ``implied`` how many inliers are known by matches with other bursts alone, and in ``no_start`` why a mapper
+        would not be able to start, or ``None``.
 
     Raises
     ------

@@ -186,6 +186,10 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
     // The pairs of the list are those that all pairs keep.
     let (json, _) = reconstruct(home, &bursts(0..4), "rec", &[]);
     assert_eq!(resumed(&json), [[1, 2], [3, 4]]);
+    // Of four bursts some matches are known by those with the others alone, and count among the matches of their pair.
+    assert!(json["implied"].as_u64().is_some_and(|implied| implied > 0), "{}", json["implied"]);
+    let counts = |pair: &Value| ["inliers", "putative"].map(|key| pair[key].as_u64());
+    assert!(json["pairs"].as_array().expect("pairs").iter().map(counts).all(|[inliers, all]| inliers <= all), "{json}");
     let text = run_well(home, &[&["colmap", "way/bursts", "--out", "rec"][..], &SEARCH].concat());
     assert!(text.contains("verified pairs join all 4 images\n"), "{text}");
     let (_, again) = reconstruct(home, &bursts(0..4), "rec", &["--pairs", "list.txt"]);
