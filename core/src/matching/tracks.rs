@@ -55,7 +55,8 @@ impl Tracks {
     /// Matches of the images `i` and `j` that others imply, of places without a match of their own, by features.
     pub fn implied(&self, (i, j): (usize, usize)) -> Vec<Inlier> {
         // By both ends the number of ways, and the last one's third image and place there.
-        let mut ends: HashMap<(u32, u32), (usize, (usize, u32), Inlier)> = HashMap::new();
+        type Ways = (usize, (usize, u32), Inlier);
+        let mut ends = HashMap::<(u32, u32), Ways>::new();
         for (&third, of_i) in &self.links[i] {
             let Some(onwards) = self.links[third].get(&j) else { continue };
             for (&place, first) in of_i {
