@@ -7,7 +7,7 @@ use ndarray_npy::NpzReader;
 #[test]
 fn the_demo_gives_features_in_all_formats() {
     let (home, out) = folder_with("found");
-    let text = run_well(home.path(), &["detect", "demo", "--out", "found", "--format", "csv,colmap,npz"]);
+    let text = home.run_well("detect demo --out found --format csv,colmap,npz");
     let rows = features(&out.join("demo.csv"));
     assert!(rows.len() > 100, "{} features", rows.len());
     assert!(text.contains(&format!("features  {}", rows.len())), "{text}");
@@ -28,12 +28,9 @@ fn the_demo_gives_features_in_all_formats() {
 
 #[test]
 fn the_demos_landmarks_are_found_with_their_motion() {
-    let home = tempfile::tempdir().expect("a folder");
-    run_well(
-        home.path(),
-        &["detect", "demo", "--slopes-u", "-3:3:7", "--slopes-v", "-2:2:5", "--out", "found", "--quiet"],
-    );
-    let rows = features(&home.path().join("found").join("demo.csv"));
+    let home = folder();
+    home.run_well("detect demo --slopes-u -3:3:7 --slopes-v -2:2:5 --out found --quiet");
+    let rows = features(&home.join("found").join("demo.csv"));
     // Bright and dark discs that are large enough to stand out well.
     let truth = demo_truth();
     let discs: Vec<_> = truth.features.iter().filter(|f| f.radius >= 3.0).collect();
@@ -52,43 +49,39 @@ fn the_demos_landmarks_are_found_with_their_motion() {
 
 #[test]
 fn nothing_found_and_slopes_that_do_not_fit_are_explained() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let nothing = ["detect", "demo", "--peak-threshold", "0.5", "--out", "found"];
-    let text = run_well(home.path(), &nothing);
+    let text = home.run_well(&nothing);
     assert!(
         text.contains("note      no feature was found: of ") && text.contains("; try --peak-threshold 0\n"),
         "{text}"
     );
     let report = |arguments: &[&str]| {
-        let json = run_json(home.path(), &[arguments, &["--json"]].concat());
+        let json = home.run_json(&[arguments, &["--json"]].concat());
         json["bursts"][0].clone()
     };
     let said = &report(&nothing)["advice"];
     assert_eq!((&said["parameter"], &said["value"]), (&"peak-threshold".into(), &"0".into()));
     // Nothing moves, and slope 0 is not searched.
     let still = ["synth", "chart", "--out", "still", "--width", "240", "--height", "180", "--discs", "16"];
-    run_well(home.path(), &[&still[..], &["--radius", "4:8", "--max-slope", "0", "--snr", "8"]].concat());
+    home.run_well(&[&still[..], &["--radius", "4:8", "--max-slope", "0", "--snr", "8"]].concat());
     let beside = ["detect", "still", "--slopes-u", "0.3:2.7:9", "--out", "found"];
     let said = &report(&beside)["slopes_judged"];
     assert!(said["sentence"].as_str().is_some_and(|text| text.contains("one slope, 0, is enough")), "{said}");
     let change = serde_json::json!([{"parameter": "slopes-u", "value": "0:0:1"}]);
     assert_eq!(said["advice"]["changes"], change, "{said}");
-    let text = run_well(home.path(), &beside);
-    assert!(text.contains("try --slopes-u 0:0:1\n"), "{text}");
+    says(home.run_well(&beside), &["try --slopes-u 0:0:1\n"]);
     let fits = report(&["detect", "still", "--slopes-u", "0:0:1", "--out", "found"]);
     assert_eq!((&fits["slopes_judged"]["advice"], &fits["advice"]), (&Value::Null, &Value::Null));
 }
 
 #[test]
 fn json_is_one_document_that_agrees_with_the_files() {
-    let home = tempfile::tempdir().expect("a folder");
-    let text = run_well(
-        home.path(),
-        &["detect", "demo", "--out", "found", "--json", "--noise-gate", "6", "--slopes-u", "-3:3:7"],
-    );
+    let home = folder();
+    let text = home.run_well("detect demo --out found --json --noise-gate 6 --slopes-u -3:3:7");
     let json: Value = serde_json::from_str(&text).expect("one JSON document");
     let burst = &json["bursts"][0];
-    let rows = features(&home.path().join("found").join("demo.csv"));
+    let rows = features(&home.join("found").join("demo.csv"));
     assert_eq!(burst["features"], rows.len());
     assert_eq!((&burst["frames"], &burst["width"], &burst["height"]), (&10.into(), &480.into(), &360.into()));
     assert_eq!(burst["noise_gate_factor"], 6.0);
@@ -105,16 +98,16 @@ fn json_is_one_document_that_agrees_with_the_files() {
 
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    let home = tempfile::tempdir().expect("a folder");
-    run_well(home.path(), &["detect", "demo", "--out", "one", "--threads", "1"]);
-    run_well(home.path(), &["detect", "demo", "--out", "three", "--threads", "3"]);
-    let read = |name: &str| fs::read(home.path().join(name).join("demo.csv")).expect("a file");
+    let home = folder();
+    home.run_well("detect demo --out one --threads 1");
+    home.run_well("detect demo --out three --threads 3");
+    let read = |name: &str| fs::read(home.join(name).join("demo.csv")).expect("a file");
     assert_eq!(read("one"), read("three"));
 }
 
 #[test]
 fn wrong_use_is_2_and_says_what_would_be_right() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let cases: [(&[&str], &str); 17] = [
         (&["detect", "demo"], "--out"),
         (&["detect", "--out", "x"], "<INPUT>"),
@@ -135,17 +128,15 @@ fn wrong_use_is_2_and_says_what_would_be_right() {
         (&["synth", "scene", "--out", "x", "--snr", "-1"], "snr"),
     ];
     for (arguments, words) in cases {
-        let error = run_badly(home.path(), arguments, 2);
-        assert!(error.contains(words), "{arguments:?}: {error}");
-        assert!(error.contains("--help"), "{arguments:?}: {error}");
+        says(home.run_badly(arguments, 2), &[words, "--help"]);
     }
-    assert!(names(home.path()).is_empty(), "wrong use writes nothing");
+    assert!(names(&home).is_empty(), "wrong use writes nothing");
 }
 
 #[test]
 fn failures_are_1_and_name_the_file() {
-    let home = tempfile::tempdir().expect("a folder");
-    fs::write(home.path().join("a file"), "no picture").expect("written");
+    let home = folder();
+    home.write("a file", "no picture");
     let cases: [(&[&str], &str); 6] = [
         (&["detect", "no such folder", "--out", "x"], "no such folder"),
         (&["detect", "a file", "--out", "x"], "a file"),
@@ -155,18 +146,17 @@ fn failures_are_1_and_name_the_file() {
         (&["no such input"], "no such input"),
     ];
     for (arguments, words) in cases {
-        let error = run_badly(home.path(), arguments, 1);
-        assert!(error.contains(words), "{arguments:?}: {error}");
+        says(home.run_badly(arguments, 1), &[words]);
     }
-    assert_eq!(names(home.path()), ["a file"]);
+    assert_eq!(names(&home), ["a file"]);
 }
 
 #[test]
 fn slopes_are_found_unless_they_are_given() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let few = ["--octaves", "3", "--max-features", "200"];
     let json = |more: &[&str]| -> Value {
-        let text = run_well(home.path(), &[&["detect", "demo", "--out", "found", "--json"], &few[..], more].concat());
+        let text = home.run_well(&[&["detect", "demo", "--out", "found", "--json"], &few[..], more].concat());
         serde_json::from_str(&text).expect("one JSON document")
     };
     let found = json(&[]);
@@ -190,76 +180,69 @@ fn slopes_are_found_unless_they_are_given() {
     let sift = json(&["--method", "sift"]);
     assert!(sift["bursts"][0]["slopes_found"].is_null(), "nothing is searched");
 
-    fs::write(home.path().join("auto.toml"), "slopes = \"auto\"\noctaves = 2\n").expect("written");
-    let text = run_well(home.path(), &["detect", "demo", "--out", "found", "--params", "auto.toml"]);
+    home.write("auto.toml", "slopes = \"auto\"\noctaves = 2\n");
+    let text = home.run_well("detect demo --out found --params auto.toml");
     assert!(text.contains("slopes    found: u ") && text.contains("of what is seen agrees"), "{text}");
 }
 
 #[test]
 fn a_parameter_file_is_read_and_options_override_it() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let params = burstscope::detector::SearchParams {
         slopes: burstscope::SlopeGrid::line(-2.0..=2.0, 5).into(),
         levels: 2,
         max_features: 50,
         ..Default::default()
     };
-    fs::write(home.path().join("p.toml"), params.to_toml()).expect("written");
-    let json = run_json(
-        home.path(),
-        &["detect", "demo", "--out", "found", "--json", "--params", "p.toml", "--max-features", "20"],
-    );
+    home.write("p.toml", params.to_toml());
+    let json = home.run_json("detect demo --out found --json --params p.toml --max-features 20");
     let read: burstscope::DetectorParams = serde_json::from_value(json["params"].clone()).expect("parameters");
     assert_eq!(read, burstscope::DetectorParams { max_features: 20, ..params.at_given() });
-    assert_eq!(features(&home.path().join("found").join("demo.csv")).len(), 20);
-    fs::write(home.path().join("bad.toml"), "peak_treshold = 1.0").expect("written");
-    let error = run_badly(home.path(), &["detect", "demo", "--out", "x", "--params", "bad.toml"], 2);
-    assert!(error.contains("bad.toml") && error.contains("peak_treshold"), "{error}");
+    assert_eq!(features(&home.join("found").join("demo.csv")).len(), 20);
+    home.write("bad.toml", "peak_treshold = 1.0");
+    says(home.run_badly("detect demo --out x --params bad.toml", 2), &["bad.toml", "peak_treshold"]);
 }
 
 #[test]
 fn a_broken_burst_does_not_stop_the_others() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for (name, seed) in [("a", "1"), ("b", "2"), ("c", "3")] {
         let out = format!("nights/{name}");
-        run_well(
-            home.path(),
-            &[
-                "synth", "chart", "--out", &out, "--width", "160", "--height", "120", "--discs", "4", "--radius",
-                "3:8", "--seed", seed,
-            ],
-        );
+        home.run_well(&[
+            "synth", "chart", "--out", &out, "--width", "160", "--height", "120", "--discs", "4", "--radius", "3:8",
+            "--seed", seed,
+        ]);
     }
-    fs::write(home.path().join("nights/b/frame_004.png"), "broken").expect("written");
-    let output = run(home.path(), &["detect", "nights", "gone", "demo", "--out", "found"]);
+    home.write("nights/b/frame_004.png", "broken");
+    let output = home.run("detect nights gone demo --out found");
     assert_eq!(output.status.code(), Some(1));
     let (text, error) = (String::from_utf8_lossy(&output.stdout), stderr(&output));
     assert!(error.contains("frame_004.png") && error.contains("gone"), "{error}");
     assert!(text.contains("3 of 5 bursts done"), "{text}");
-    assert_eq!(names(&home.path().join("found")), ["a.csv", "c.csv", "demo.csv"]);
-    let output = run(home.path(), &["detect", "nights", "--out", "again", "--json"]);
+    assert_eq!(names(&home.join("found")), ["a.csv", "c.csv", "demo.csv"]);
+    let output = home.run("detect nights --out again --json");
     let json: Value = serde_json::from_slice(&output.stdout).expect("JSON in spite of the failure");
     assert_eq!((json["bursts"].as_array().map(Vec::len), &json["failures"][0]["name"]), (Some(2), &"b".into()));
 }
 
 #[test]
 fn quiet_is_quiet_and_pipes_are_clean() {
-    let home = tempfile::tempdir().expect("a folder");
-    let output = run(home.path(), &["detect", "demo", "--out", "found", "--quiet"]);
+    let home = folder();
+    let output = home.run("detect demo --out found --quiet");
     assert_eq!((output.status.code(), output.stdout.len(), output.stderr.len()), (Some(0), 0, 0));
     // Without a terminal there is no progress bar.
-    let output = run(home.path(), &["detect", "demo", "--out", "found"]);
+    let output = home.run("detect demo --out found");
     assert!(output.stderr.is_empty() && !output.stdout.contains(&0x1b), "{}", stderr(&output));
 }
 
 #[test]
 fn help_and_version_are_answers_not_errors() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     assert_eq!(
-        run_well(home.path(), &["--version"]),
+        home.run_well("--version"),
         format!("burstscope {} (detector {})\n", env!("CARGO_PKG_VERSION"), burstscope::detector::REVISION)
     );
-    let (short, long) = (run_well(home.path(), &["detect", "-h"]), run_well(home.path(), &["detect", "--help"]));
+    let (short, long) = (home.run_well("detect -h"), home.run_well("detect --help"));
     let words = long.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words.starts_with("Find the features of one or many bursts.") && words.contains("A burst that fails is"));
     assert!(short.starts_with("Find the features of one or many bursts\n") && !short.contains("that fails is"));
@@ -267,12 +250,12 @@ fn help_and_version_are_answers_not_errors() {
         assert!(short.contains(&format!("--{}", doc.name)), "{}", doc.name);
     }
     // Only commands that exist are offered.
-    let commands = run_well(home.path(), &["--help"]);
+    let commands = home.run_well("--help");
     for command in
         ["detect", "match", "merge", "stack", "slopes", "probe", "synth", "evaluate", "figures", "colmap", "render"]
     {
         assert!(commands.contains(&format!("\n  {command} ")), "{command}");
-        run_well(home.path(), &[command, "--help"]);
+        home.run_well(&[command, "--help"]);
     }
     assert!(!commands.contains("\n  compare "));
 }

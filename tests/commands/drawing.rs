@@ -21,10 +21,9 @@ fn read_tiff(path: &Path) -> ((u32, u32), Vec<f32>) {
 
 #[test]
 fn stack_writes_the_very_values_of_the_library() {
-    let home = tempfile::tempdir().expect("a folder");
-    let text = run_well(home.path(), &["stack", "demo", "--slope", "-2.1,0", "--out", "deep/sign.tiff"]);
-    assert!(text.contains("480×360"), "{text}");
-    let (size, values) = read_tiff(&home.path().join("deep/sign.tiff"));
+    let home = folder();
+    says(home.run_well("stack demo --slope -2.1,0 --out deep/sign.tiff"), &["480×360"]);
+    let (size, values) = read_tiff(&home.join("deep/sign.tiff"));
     let burst = demo_burst();
     let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
     let stack =
@@ -39,10 +38,10 @@ fn stack_writes_the_very_values_of_the_library() {
 
 #[test]
 fn the_field_of_motion_as_pfm_is_replaced_only_on_request() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let line = ["stack", "demo", "--slopes-u=-3:3:7", "--field", "--out", "field.pfm"];
-    run_well(home.path(), &line);
-    let bytes = fs::read(home.path().join("field.pfm")).expect("written");
+    home.run_well(&line);
+    let bytes = fs::read(home.join("field.pfm")).expect("written");
     let samples = bytes.strip_prefix(b"PF\n480 360\n-1.0\n").expect("a header");
     assert_eq!(samples.len(), 480 * 360 * 3 * 4);
     // The street moves to the left and the moon to the right; the last row comes first.
@@ -51,107 +50,92 @@ fn the_field_of_motion_as_pfm_is_replaced_only_on_request() {
         f32::from_le_bytes(samples[start..start + 4].try_into().expect("four bytes"))
     };
     assert!(at(250, 340) < -1.5 && at(100, 50) > 0.5, "{} and {}", at(250, 340), at(100, 50));
-    let error = run_badly(home.path(), &line, 1);
-    assert!(error.contains("field.pfm") && error.contains("--force"), "{error}");
-    run_well(home.path(), &[&line[..], &["--force"]].concat());
-    let error = run_badly(home.path(), &["stack", "demo", "--field", "--out", "field.png"], 2);
-    assert!(error.contains(".pfm"), "{error}");
+    says(home.run_badly(&line, 1), &["field.pfm", "--force"]);
+    home.run_well(&[&line[..], &["--force"]].concat());
+    says(home.run_badly("stack demo --field --out field.png", 2), &[".pfm"]);
 }
 
 #[test]
 fn stack_writes_a_response_on_the_octaves_pixels() {
-    let home = tempfile::tempdir().expect("a folder");
-    let json = run_json(
-        home.path(),
-        &[
-            "stack", "demo", "--slope", "0.95,0", "--octave", "1", "--level", "0", "--levels", "3", "--out", "d.tif",
-            "--json",
-        ],
-    );
-    let (size, values) = read_tiff(&home.path().join("d.tif"));
+    let home = folder();
+    let json = home.run_json("stack demo --slope 0.95,0 --octave 1 --level 0 --levels 3 --out d.tif --json");
+    let (size, values) = read_tiff(&home.join("d.tif"));
     assert_eq!(size, (240, 180));
     assert_eq!((&json["width"], &json["octave"]), (&240.into(), &1.into()));
     assert!(values.iter().any(|&x| x > 1e-3) && values.iter().any(|&x| x < -1e-3), "a response has both signs");
-    let error = run_badly(
-        home.path(),
-        &["stack", "demo", "--slope", "0,0", "--octave", "9", "--level", "0", "--out", "e.tif"],
-        2,
-    );
-    assert!(error.contains("octave"), "{error}");
-    assert_eq!(names(home.path()), ["d.tif"]);
+    says(home.run_badly("stack demo --slope 0,0 --octave 9 --level 0 --out e.tif", 2), &["octave"]);
+    assert_eq!(names(&home), ["d.tif"]);
 }
 
 #[test]
 fn render_draws_the_window() {
-    let home = tempfile::tempdir().expect("a folder");
-    run_well(home.path(), &["render", "--out", "window.png", "--size", "900x600", "--slope", "-2.1,0", "--no-detect"]);
-    let picture = image::open(home.path().join("window.png")).expect("a picture").into_rgba8();
+    let home = folder();
+    home.run_well("render --out window.png --size 900x600 --slope -2.1,0 --no-detect");
+    let picture = image::open(home.join("window.png")).expect("a picture").into_rgba8();
     assert_eq!(picture.dimensions(), (900, 600));
     let colours: std::collections::HashSet<_> = picture.pixels().map(|p| p.0).collect();
     assert!(colours.len() > 50, "only {} colours", colours.len());
-    let error = run_badly(home.path(), &["render", "gone", "--out", "x.png"], 1);
-    assert!(error.contains("gone"), "{error}");
+    says(home.run_badly("render gone --out x.png", 1), &["gone"]);
 }
 
 #[test]
 fn what_was_done_in_a_window_is_done_again_and_drawn() {
-    let home = tempfile::tempdir().expect("a folder");
-    let play = |did: &str| fs::write(home.path().join("did.toml"), format!("version = 1\ndid = [\n{did}\n]\n"));
+    let home = folder();
+    let play = |did: &str| fs::write(home.join("did.toml"), format!("version = 1\ndid = [\n{did}\n]\n"));
     let arguments = ["render", "--play", "did.toml", "--out", "x.png", "--size", "600x400"];
     play("[{ do = \"auto_detect\" }],\n[{ open = [\"a\", \"demo\"] }],\n[{ set_slope = [0, { u = 2.0, v = 0.0 }] }],")
         .expect("written");
-    run_well(home.path(), &arguments);
-    let picture = || image::open(home.path().join("x.png")).expect("a picture").into_rgba8();
+    home.run_well(&arguments);
+    let picture = || image::open(home.join("x.png")).expect("a picture").into_rgba8();
     let first = picture();
     assert_eq!(first.dimensions(), (600, 400));
     play("[{ do = \"auto_detect\" }],\n[{ open = [\"a\", \"demo\"] }],").expect("written");
-    run_well(home.path(), &arguments);
+    home.run_well(&arguments);
     assert_ne!(picture(), first, "the slope is another one");
     play("[{ set_slop = [0, { u = 2.0, v = 0.0 }] }],").expect("written");
-    let error = run_badly(home.path(), &arguments, 2);
+    let error = home.run_badly(&arguments, 2);
     assert!(["--play", "did.toml", "line 3", "set_slope"].iter().all(|word| error.contains(word)), "{error}");
     play("[{ open = [\"a\", { paths = [\"gone\"] }] }],").expect("written");
-    assert!(run_badly(home.path(), &arguments, 1).contains("gone"));
+    assert!(home.run_badly(&arguments, 1).contains("gone"));
     for (more, word) in
         [(["--kind", "dog"], "--kind"), (["--levels", "4"], "parameters"), (["--black-level", "5"], "calib")]
     {
-        let error = run_badly(home.path(), &[&arguments[..], &more].concat(), 2);
-        assert!(error.contains("--play") && error.contains(word), "{error}");
+        says(home.run_badly(&[&arguments[..], &more].concat(), 2), &["--play", word]);
     }
 }
 
 #[test]
 fn what_was_opened_by_a_path_relative_to_one_folder_is_done_again_from_another() {
-    let home = tempfile::tempdir().expect("a folder");
-    run_well(home.path(), &["synth", "chart", "--out", "burst"]);
+    let home = folder();
+    home.run_well("synth chart --out burst");
     // From the folder of this test up to the root, and down again.
     let names = |path: &Path| path.components().filter(|part| matches!(part, Component::Normal(_))).count();
     let up = vec![".."; names(&std::env::current_dir().expect("a folder"))];
-    let down = home.path().components().filter(|part| matches!(part, Component::Normal(_)));
+    let down = home.components().filter(|part| matches!(part, Component::Normal(_)));
     let relative: PathBuf = up.iter().map(Path::new).chain(down.map(|part| Path::new(part.as_os_str()))).collect();
     let relative = relative.join("burst");
     assert!(relative.is_relative() && relative.is_dir(), "{relative:?}");
     let mut journal = Journal::default();
     journal.take(&Action::Open(Side::A, BurstSource::Paths(vec![relative])), false);
-    let elsewhere = tempfile::tempdir().expect("a folder");
-    fs::write(elsewhere.path().join("did.toml"), journal.to_toml()).expect("written");
-    run_well(elsewhere.path(), &["render", "--play", "did.toml", "--out", "x.png", "--size", "600x400"]);
-    assert_eq!(image::open(elsewhere.path().join("x.png")).expect("a picture").width(), 600);
+    let elsewhere = folder();
+    elsewhere.write("did.toml", journal.to_toml());
+    elsewhere.run_well("render --play did.toml --out x.png --size 600x400");
+    assert_eq!(image::open(elsewhere.join("x.png")).expect("a picture").width(), 600);
 }
 
 #[test]
 fn the_missing_display_is_no_message() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let arguments = ["render", "--out", "window.png", "--size", "300x200", "--no-detect", "--quiet"];
-    let drawn = program(home.path(), &arguments).env_remove("XDG_RUNTIME_DIR").output().expect("it starts");
+    let drawn = home.program(&arguments).env_remove("XDG_RUNTIME_DIR").output().expect("it starts");
     assert!(drawn.status.success());
     assert_eq!(stderr(&drawn), "");
 }
 
 #[test]
 fn without_a_display_the_window_becomes_a_picture_and_a_table() {
-    let home = tempfile::tempdir().expect("a folder");
-    let text = run_well(home.path(), &[]);
+    let home = folder();
+    let text = home.run_well(&[]);
     assert!(text.contains("no display") && text.contains("DISPLAY"), "{text}");
     let header = text.lines().position(|l| l.contains("orientation")).expect("a table");
     let rows: Vec<Vec<f64>> = text
@@ -162,19 +146,18 @@ fn without_a_display_the_window_becomes_a_picture_and_a_table() {
         .collect();
     assert_eq!(rows.len(), 20, "{text}");
     assert!(rows.iter().all(|r| r.len() == 10), "{text}");
-    assert_eq!(names(home.path()), ["burstscope-demo.png"]);
-    image::open(home.path().join("burstscope-demo.png")).expect("a picture");
+    assert_eq!(names(&home), ["burstscope-demo.png"]);
+    image::open(home.join("burstscope-demo.png")).expect("a picture");
 }
 
 /// As with any other damaged burst, the window is what is opened: the error comes where the burst would be.
 #[test]
 fn a_damaged_case_is_said_where_the_burst_is_opened() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for name in ["damaged.burstcase", "damaged.npy"] {
-        fs::write(home.path().join(name), b"PK\x03\x04 and no more").expect("written");
-        let output = program(home.path(), &[name]).output().expect("it starts");
-        let text = String::from_utf8_lossy(&output.stdout);
-        assert!(text.contains("There is no display here"), "{name}: {text}");
+        fs::write(home.join(name), b"PK\x03\x04 and no more").expect("written");
+        let output = home.program(&[name]).output().expect("it starts");
+        says(String::from_utf8_lossy(&output.stdout), &["There is no display here"]);
         assert!(output.status.code() == Some(1) && stderr(&output).contains(name), "{name}: {}", stderr(&output));
     }
 }

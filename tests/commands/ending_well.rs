@@ -9,7 +9,7 @@ use std::os::unix::process::{CommandExt, ExitStatusExt};
 
 /// Runs the program with arguments that need not be text.
 fn run_os(home: &Path, arguments: &[&OsStr]) -> Output {
-    program(home, &[]).args(arguments).output().expect("it starts")
+    home.program(&[]).args(arguments).output().expect("it starts")
 }
 
 fn os(text: &str) -> &OsStr {
@@ -20,28 +20,28 @@ fn os(text: &str) -> &OsStr {
 #[test]
 fn a_full_or_closed_standard_error_stops_nothing() {
     let home = home_with(&["nights/a", "nights/b", "nights/c"]);
-    fs::write(home.path().join("nights/b/frame_001.png"), "broken").expect("written");
+    home.write("nights/b/frame_001.png", "broken");
     let arguments = [&["detect", "nights", "--out", "found"][..], &SEARCH].concat();
     let full = File::options().write(true).open("/dev/full").expect("the full device");
-    let output = program(home.path(), &arguments).stderr(full).output().expect("it starts");
+    let output = home.program(&arguments).stderr(full).output().expect("it starts");
     assert_eq!((output.status.code(), output.status.signal()), (Some(1), None));
-    assert_eq!(names(&home.path().join("found")), ["a.csv", "c.csv"]);
+    assert_eq!(names(&home.join("found")), ["a.csv", "c.csv"]);
     let line = format!("exec \"$0\" {} 2>&-", arguments.join(" ").replace("found", "closed"));
     let mut shell = Command::new("sh");
     shell
-        .current_dir(home.path())
+        .current_dir(&home)
         .env("BURSTSCOPE_DEFAULTS", "")
         .args(["-c", &line, env!("CARGO_BIN_EXE_burstscope")])
         .stdout(Stdio::null());
     assert_eq!(shell.status().expect("a shell").code(), Some(1));
-    assert_eq!(names(&home.path().join("closed")), ["a.csv", "c.csv"]);
+    assert_eq!(names(&home.join("closed")), ["a.csv", "c.csv"]);
     // Wrong use, and inputs that cannot be opened, too.
     for (wrong, code) in [
         (&["detect", "nights", "--out", "x", "--levels", "0"][..], 2),
         (&["stack", "gone", "--slope", "0,0", "--out", "x.tiff"], 1),
     ] {
         let full = File::options().write(true).open("/dev/full").expect("the full device");
-        let status = program(home.path(), wrong).stderr(full).status().expect("it starts");
+        let status = home.program(wrong).stderr(full).status().expect("it starts");
         assert_eq!(status.code(), Some(code), "{wrong:?}");
     }
 }
@@ -49,11 +49,11 @@ fn a_full_or_closed_standard_error_stops_nothing() {
 #[cfg_attr(not(target_os = "linux"), ignore = "needs a file system that takes names which are not text")]
 #[test]
 fn names_that_are_no_text_work_everywhere() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let odd = |text: &[u8]| OsString::from_vec(text.to_vec());
     let folder = odd(b"n\xffight");
     for name in [&b"n\xffight/a\xfe"[..], b"n\xffight/b"] {
-        chart(home.path(), odd(name));
+        chart(&home, odd(name));
     }
     let (one, tiff, png, out) = (odd(b"n\xffight/a\xfe"), odd(b"m\xff.tiff"), odd(b"w\xff.png"), odd(b"o\xffut"));
     let small = ["--size", "640x480", "--no-detect"].map(os);
@@ -70,7 +70,7 @@ fn names_that_are_no_text_work_everywhere() {
         [&[os("colmap"), &folder, os("--out"), OsStr::from_bytes(b"rec\xff"), os("--json")][..], &search].concat(),
     ];
     for arguments in runs {
-        let output = run_os(home.path(), &arguments);
+        let output = run_os(&home, &arguments);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
         if arguments.contains(&os("--json")) {
             let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -78,22 +78,20 @@ fn names_that_are_no_text_work_everywhere() {
         }
     }
     for made in [&tiff, &png] {
-        assert!(home.path().join(made).is_file(), "{made:?}");
+        assert!(home.join(made).is_file(), "{made:?}");
     }
-    let rec = home.path().join(OsStr::from_bytes(b"rec\xff"));
+    let rec = home.join(OsStr::from_bytes(b"rec\xff"));
     assert!(rec.join("database.db").is_file() && names(&rec.join("features")).len() == 2);
     // Finished features and the matched pair are found again.
-    let output = run_os(
-        home.path(),
-        &[&[os("colmap"), &folder, os("--out"), OsStr::from_bytes(b"rec\xff")][..], &search].concat(),
-    );
+    let output =
+        run_os(&home, &[&[os("colmap"), &folder, os("--out"), OsStr::from_bytes(b"rec\xff")][..], &search].concat());
     assert!(String::from_utf8_lossy(&output.stdout).matches("from an earlier run").count() == 3, "{}", stderr(&output));
 }
 
 #[test]
 fn one_stray_or_unreadable_entry_does_not_stop_the_others() {
     let home = home_with(&["nights/a", "nights/b", "nights/c"]);
-    let nights = home.path().join("nights");
+    let nights = home.join("nights");
     fs::copy(nights.join("a/frame_000.png"), nights.join("preview.png")).expect("copied");
     fs::write(nights.join("notes.txt"), "about the nights").expect("written");
     fs::create_dir(nights.join("plots")).expect("made");
@@ -101,10 +99,10 @@ fn one_stray_or_unreadable_entry_does_not_stop_the_others() {
     let closed = nights.join("b");
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o000)).expect("closed");
     let reads_all = fs::read_dir(&closed).is_ok();
-    fs::set_permissions(home.path(), fs::Permissions::from_mode(0o777)).expect("opened");
+    fs::set_permissions(&home, fs::Permissions::from_mode(0o777)).expect("opened");
     for (command, made) in [("detect", "a.csv"), ("colmap", "images")] {
         let out = format!("out {command}");
-        let mut running = program(home.path(), &[&[command, "nights", "--out", &out][..], &SEARCH].concat());
+        let mut running = home.program(&[&[command, "nights", "--out", &out][..], &SEARCH].concat());
         if reads_all {
             running.uid(65_534).gid(65_534);
         }
@@ -113,10 +111,10 @@ fn one_stray_or_unreadable_entry_does_not_stop_the_others() {
         assert_eq!(output.status.code(), Some(1), "{words}");
         assert!(words.contains("preview.png") && words.contains("belongs to none"), "{words}");
         assert!(words.contains("nights/b") && words.contains("denied"), "{words}");
-        assert!(names(&home.path().join(&out)).contains(&made.to_owned()), "{words}");
+        assert!(names(&home.join(&out)).contains(&made.to_owned()), "{words}");
     }
-    assert_eq!(names(&home.path().join("out detect")), ["a.csv", "c.csv"]);
-    assert_eq!(names(&home.path().join("out colmap/images")), ["a.png", "c.png"]);
+    assert_eq!(names(&home.join("out detect")), ["a.csv", "c.csv"]);
+    assert_eq!(names(&home.join("out colmap/images")), ["a.png", "c.png"]);
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o755)).expect("opened");
 }
 
@@ -125,9 +123,8 @@ fn a_camera_of_another_size_is_refused_before_the_search() {
     let home = home_with(&["a", "b"]);
     let camera = ["--camera", "SIMPLE_PINHOLE,640,480,600,320,240"];
     for command in [&["match", "a", "b"][..], &["colmap", "a", "b"]] {
-        let words = run_badly(home.path(), &[command, &["--out", "out"], &camera, &SEARCH].concat(), 1);
-        assert!(words.contains("640×480") && words.contains("96×72"), "{words}");
-        assert!(!home.path().join("out/a.csv").exists());
+        says(home.run_badly(&[command, &["--out", "out"], &camera, &SEARCH].concat(), 1), &["640×480", "96×72"]);
+        assert!(!home.join("out/a.csv").exists());
     }
 }
 
@@ -140,22 +137,20 @@ fn render_checks_frame_octave_level_and_slope() {
         (["--kind", "dog", "--level", "77"], "no DoG level 77"),
         (["--kind", "stack", "--slope", "500,0"], "out of the 96×72 image"),
     ] {
-        let words =
-            run_badly(home.path(), &[&["render", "a", "--no-detect", "--out", "x.png"][..], &wrong].concat(), 2);
-        assert!(words.contains(word), "{words}");
-        assert!(!home.path().join("x.png").exists());
+        says(home.run_badly(&[&["render", "a", "--no-detect", "--out", "x.png"][..], &wrong].concat(), 2), &[word]);
+        assert!(!home.join("x.png").exists());
     }
 }
 
 #[test]
 fn parameter_camera_and_truth_files_are_files_of_a_sane_size() {
     let home = home_with(&["a"]);
-    let at = |name: &str| home.path().join(name);
+    let at = |name: &str| home.join(name);
     File::create(at("large.toml")).and_then(|file| file.set_len(3 << 20)).expect("a hole is large");
     std::os::unix::fs::symlink("/dev/zero", at("device.toml")).expect("linked");
     assert!(Command::new("mkfifo").arg(at("pipe.toml")).status().expect("mkfifo runs").success());
     let refused = |line: &[&str], code: i32| {
-        let mut command = program(home.path(), line);
+        let mut command = home.program(line);
         let output = ended(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts"));
         assert_eq!(output.status.code(), Some(code), "{line:?}: {}", stderr(&output));
         stderr(&output)
@@ -165,102 +160,94 @@ fn parameter_camera_and_truth_files_are_files_of_a_sane_size() {
         ("device.toml", "not a regular file"),
         ("pipe.toml", "not a regular file"),
     ] {
-        let words = refused(&["detect", "a", "--out", "out", "--params", file], 1);
-        assert!(words.contains(file) && words.contains(word), "{words}");
-        let words = refused(&["match", "a", "a", "--out", "out", "--camera", file], 2);
-        assert!(words.contains(file) && words.contains(word), "{words}");
+        says(refused(&["detect", "a", "--out", "out", "--params", file], 1), &[file, word]);
+        says(refused(&["match", "a", "a", "--out", "out", "--camera", file], 2), &[file, word]);
         // The window refuses them as sessions, too.
-        let words = refused(&["evaluate", "poses", "--estimate", file, "--truth", file], 1);
-        assert!(words.contains(file), "{words}");
+        says(refused(&["evaluate", "poses", "--estimate", file, "--truth", file], 1), &[file]);
     }
 }
 
 #[test]
 fn names_of_255_bytes_work() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let [long, other] = ["n", "m"].map(|letter| format!("nights/{}", letter.repeat(255)));
-    chart(home.path(), &long);
-    chart(home.path(), &other);
-    run_well(
-        home.path(),
-        &[&["detect", "nights", "--out", "found", "--format", "csv,colmap,npz"][..], &SEARCH].concat(),
-    );
-    assert_eq!(names(&home.path().join("found")).len(), 6);
-    run_well(home.path(), &[&["match", &long, &other, "--out", "matched"][..], &SEARCH].concat());
-    assert_eq!(names(&home.path().join("matched")).len(), 4);
-    run_well(home.path(), &[&["colmap", "nights", "--out", "rec"][..], &SEARCH].concat());
-    assert_eq!(names(&home.path().join("rec/images")).len(), 2);
+    chart(&home, &long);
+    chart(&home, &other);
+    home.run_well(&[&["detect", "nights", "--out", "found", "--format", "csv,colmap,npz"][..], &SEARCH].concat());
+    assert_eq!(names(&home.join("found")).len(), 6);
+    home.run_well(&[&["match", &long, &other, "--out", "matched"][..], &SEARCH].concat());
+    assert_eq!(names(&home.join("matched")).len(), 4);
+    home.run_well(&[&["colmap", "nights", "--out", "rec"][..], &SEARCH].concat());
+    assert_eq!(names(&home.join("rec/images")).len(), 2);
     let tiff = format!("{}.tiff", "t".repeat(250));
-    run_well(home.path(), &["stack", &long, "--slope", "0,0", "--out", &tiff]);
-    assert!(home.path().join(tiff).is_file());
+    home.run_well(&["stack", &long, "--slope", "0,0", "--out", &tiff]);
+    assert!(home.join(tiff).is_file());
 }
 
 #[test]
 fn commands_to_the_terminal_in_names_do_not_reach_it() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let name = "a\u{1b}]0;owned\u{7}\u{9b}2J";
-    chart(home.path(), name);
+    chart(&home, name);
     let harmless = |bytes: &[u8]| {
         let text = String::from_utf8_lossy(bytes);
         assert!(!text.contains(|c: char| c.is_control() && c != '\n' && c != '\t'), "{text:?}");
         assert!(text.contains("owned"), "{text}");
     };
-    let output = run(home.path(), &[&["detect", name, "--out", "out"][..], &SEARCH].concat());
+    let output = home.run(&[&["detect", name, "--out", "out"][..], &SEARCH].concat());
     assert_eq!(output.status.code(), Some(0));
     harmless(&output.stdout);
-    let json = run(home.path(), &[&["detect", name, "--out", "out", "--json"][..], &SEARCH].concat()).stdout;
+    let json = home.run(&[&["detect", name, "--out", "out", "--json"][..], &SEARCH].concat()).stdout;
     harmless(&json);
     assert!(String::from_utf8_lossy(&json).contains("\\u009b"));
-    fs::write(home.path().join(name).join("frame_001.png"), "broken").expect("written");
-    harmless(&run(home.path(), &[&["detect", name, "--out", "out"][..], &SEARCH].concat()).stderr);
-    harmless(&run(home.path(), &["stack", name, "--slope", "0,0", "--out", "x.tiff"]).stderr);
+    fs::write(home.join(name).join("frame_001.png"), "broken").expect("written");
+    harmless(&home.run(&[&["detect", name, "--out", "out"][..], &SEARCH].concat()).stderr);
+    harmless(&home.run(&["stack", name, "--slope", "0,0", "--out", "x.tiff"]).stderr);
 }
 
 #[test]
 fn what_killed_runs_left_is_cleared_by_the_next() {
-    let home = tempfile::tempdir().expect("a folder");
-    let hidden = |prefix: &str| -> Vec<String> {
-        names(home.path()).into_iter().filter(|name| name.starts_with(prefix)).collect()
-    };
+    let home = folder();
+    let hidden =
+        |prefix: &str| -> Vec<String> { names(&home).into_iter().filter(|name| name.starts_with(prefix)).collect() };
     let large = ["--width", "2000", "--height", "1500", "--frames", "20", "--threads", "1"];
-    let mut making = program(home.path(), &[&["synth", "chart", "--out", "big"][..], &large].concat());
+    let mut making = home.program(&[&["synth", "chart", "--out", "big"][..], &large].concat());
     let mut making = making.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
     // A folder without its mark may be anyone's, and stays.
-    let is_ours = |name: &String| fs::metadata(home.path().join(name).join("in-use")).is_ok_and(|file| file.len() > 0);
+    let is_ours = |name: &String| fs::metadata(home.join(name).join("in-use")).is_ok_and(|file| file.len() > 0);
     while !hidden(".burstscope-").iter().any(is_ours) && making.try_wait().expect("a state").is_none() {
         std::thread::sleep(Duration::from_millis(5));
     }
     making.kill().expect("it is ours");
     making.wait().expect("it ends");
     assert_eq!(hidden(".burstscope-").len(), 2, "it was killed while it wrote: the hidden folder, and its lock");
-    leave_unfinished(home.path());
+    leave_unfinished(&home);
     // Files and folders of others, whatever their names are.
-    fs::write(home.path().join(".burstscope-notes.tmp"), "mine").expect("written");
-    fs::write(home.path().join(".burstscope-notes.lock"), "mine").expect("written");
-    fs::create_dir(home.path().join(".burstscope-mine.tmp")).expect("made");
-    fs::write(home.path().join(".burstscope-mine.tmp/in-use"), "mine").expect("written");
-    chart(home.path(), "a");
-    run_well(home.path(), &["stack", "a", "--slope", "0,0", "--out", "a.tiff"]);
+    home.write(".burstscope-notes.tmp", "mine");
+    home.write(".burstscope-notes.lock", "mine");
+    home.make_dir(".burstscope-mine.tmp");
+    home.write(".burstscope-mine.tmp/in-use", "mine");
+    chart(&home, "a");
+    home.run_well("stack a --slope 0,0 --out a.tiff");
     let kept = [".burstscope-mine.tmp", ".burstscope-notes.lock", ".burstscope-notes.tmp", "a", "a.tiff"];
-    assert_eq!(names(home.path()), kept);
-    assert_eq!(fs::read_to_string(home.path().join(".burstscope-mine.tmp/in-use")).expect("there"), "mine");
+    assert_eq!(names(&home), kept);
+    assert_eq!(home.text(".burstscope-mine.tmp/in-use"), "mine");
     // Nor do they give way to a folder that is made, or to a lock.
-    fs::create_dir(home.path().join("own")).expect("made");
-    fs::rename(home.path().join(".burstscope-notes.tmp"), home.path().join("own/.burstscope-x.tmp")).expect("moved");
-    assert!(run_badly(home.path(), &["synth", "chart", "--out", "own"], 1).contains("did not write there"));
-    let words = run_badly(home.path(), &["synth", "chart", "--out", "notes"], 1);
-    assert!(words.contains(".burstscope-notes.lock") && words.contains("move it away"), "{words}");
-    assert_eq!(fs::read_to_string(home.path().join(".burstscope-notes.lock")).expect("there"), "mine");
+    home.make_dir("own");
+    fs::rename(home.join(".burstscope-notes.tmp"), home.join("own/.burstscope-x.tmp")).expect("moved");
+    assert!(home.run_badly("synth chart --out own", 1).contains("did not write there"));
+    says(home.run_badly("synth chart --out notes", 1), &[".burstscope-notes.lock", "move it away"]);
+    assert_eq!(home.text(".burstscope-notes.lock"), "mine");
 }
 
 #[test]
 fn an_interrupted_render_ends_cleanly() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     // A search that takes long, compared with the waits in this test.
-    chart(home.path(), "a");
+    chart(&home, "a");
     let arguments =
         ["render", "a", "--out", "x.png", "--slopes-u", "-3:3:61", "--slopes-v", "-3:3:61", "--first-octave", "-1"];
-    let mut drawing = program(home.path(), &arguments);
+    let mut drawing = home.program(&arguments);
     let drawing = drawing.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
     at_work(&drawing);
     let killed = Command::new("kill").args(["-INT", &drawing.id().to_string()]).status().expect("kill runs");
@@ -273,14 +260,14 @@ fn an_interrupted_render_ends_cleanly() {
         "{}",
         stderr(&output)
     );
-    assert_eq!(names(home.path()), ["a"]);
+    assert_eq!(names(&home), ["a"]);
 }
 
 #[test]
 fn opengl_draws_or_says_why_not() {
     let home = home_with(&["a"]);
-    let file: PathBuf = home.path().join("x.png");
-    let mut drawing = program(home.path(), &["render", "a", "--no-detect", "--size", "640x480", "--out", "x.png"]);
+    let file: PathBuf = home.join("x.png");
+    let mut drawing = home.program("render a --no-detect --size 640x480 --out x.png");
     let output = drawing.env("WGPU_BACKEND", "gl").output().expect("it starts");
     match output.status.code() {
         Some(0) => {
@@ -298,20 +285,19 @@ fn a_search_beyond_the_memory_is_done_in_groups_of_slopes_or_refused_with_the_nu
     let home = home_with(&["a"]);
     let search = ["detect", "a", "--out", "found", "--slopes-u", "-2:2:64", "--slopes-v", "-2:2:64"];
     let all = ["--slope-extrema", "joint", "--rules", "buff", "--memory"];
-    let words = run_badly(home.path(), &[&search[..], &all, &["30M"]].concat(), 1);
+    let words = home.run_badly(&[&search[..], &all, &["30M"]].concat(), 1);
     assert!(words.contains("--memory: this search of 4096 slopes") && words.contains("30 MB may be used"), "{words}");
     assert!(words.contains("other rules than buff"), "{words}");
-    assert!(!home.path().join("found").exists());
+    assert!(!home.join("found").exists());
     let few = ["detect", "a", "--out", "few", "--slopes-u", "-1:1:3", "--memory", "50%"];
-    run_well(home.path(), &few);
-    let words = run_badly(home.path(), &[&search[..], &["--memory", "lots"]].concat(), 2);
-    assert!(words.contains("8G or 500M"), "{words}");
+    home.run_well(&few);
+    says(home.run_badly(&[&search[..], &["--memory", "lots"]].concat(), 2), &["8G or 500M"]);
 
     // All of these slopes take about 2 MB, and one thread's window 6 MB.
     let some = ["detect", "a", "--threads", "1", "--slopes-u", "-2:2:16", "--slopes-v", "-2:2:16", "--out"];
-    run_well(home.path(), &[&some[..], &["whole"]].concat());
-    run_well(home.path(), &[&some[..], &["grouped", "--memory", "8M"]].concat());
-    let features = |folder: &str| fs::read_to_string(home.path().join(folder).join("a.csv")).expect("features");
+    home.run_well(&[&some[..], &["whole"]].concat());
+    home.run_well(&[&some[..], &["grouped", "--memory", "8M"]].concat());
+    let features = |folder: &str| fs::read_to_string(home.join(folder).join("a.csv")).expect("features");
     assert!(features("whole").lines().count() > 1);
     assert_eq!(features("whole"), features("grouped"));
 }
@@ -322,7 +308,7 @@ fn a_limit_on_the_size_of_files_is_an_error_that_names_the_file() {
     let limited = |blocks: u32, arguments: &str| {
         let script = format!("ulimit -f {blocks}; exec '{}' {arguments}", env!("CARGO_BIN_EXE_burstscope"));
         let output = Command::new("sh")
-            .current_dir(home.path())
+            .current_dir(&home)
             .env("BURSTSCOPE_DEFAULTS", "")
             .args(["-c", &script])
             .output()
@@ -341,30 +327,27 @@ fn a_limit_on_the_size_of_files_is_an_error_that_names_the_file() {
         ("synth chart --out x".to_owned(), "frame_000.png"),
         (format!("colmap nights --out rec {search}"), "manifest.json"),
     ] {
-        let words = limited(1, &arguments);
-        assert!(words.contains(named) && words.contains("ulimit -f"), "{arguments}: {words}");
-        assert_eq!(names(home.path()), ["nights"], "{arguments}");
+        says(limited(1, &arguments), &[named, "ulimit -f"]);
+        assert_eq!(names(&home), ["nights"], "{arguments}");
     }
     // Not even the text of the lock fits.
     assert!(limited(0, "synth chart --out x").contains(".burstscope-x.lock"));
-    assert_eq!(names(home.path()), ["nights"]);
+    assert_eq!(names(&home), ["nights"]);
     // Pictures and features fit, but the database does not.
     assert!(limited(64, &format!("colmap nights --out rec {search}")).contains("database.db"));
-    let rec = names(&home.path().join("rec"));
+    let rec = names(&home.join("rec"));
     assert_eq!(rec, ["features", "images", "manifest.json", "records"], "the database is whole or not there");
 }
 
 #[test]
 fn unknown_keys_are_errors_and_a_newer_programs_are_said_to_be_that() {
     let home = home_with(&["a"]);
-    let file = home.path().join("p.toml");
-    let detect = || run_badly(home.path(), &["detect", "a", "--out", "found", "--params", "p.toml"], 2);
+    let file = home.join("p.toml");
+    let detect = || home.run_badly("detect a --out found --params p.toml", 2);
     fs::write(&file, "[slopes]\ndirection = 90\n").expect("written");
-    let words = detect();
-    assert!(words.contains("p.toml") && words.contains("`direction`") && words.contains("direction_deg"), "{words}");
+    says(detect(), &["p.toml", "`direction`", "direction_deg"]);
     fs::write(&file, "# Written by Burstscope 99.0.0\nwavelets = true\n").expect("written");
-    let words = detect();
-    assert!(words.contains("written by Burstscope 99.0.0") && words.contains("wavelets"), "{words}");
+    says(detect(), &["written by Burstscope 99.0.0", "wavelets"]);
 }
 
 /// In a program with little address space, a refused allocation is reported with its size, and nothing is aborted.
@@ -372,11 +355,11 @@ fn unknown_keys_are_errors_and_a_newer_programs_are_said_to_be_that() {
 #[test]
 fn memory_that_is_refused_is_said() {
     use std::io::Write;
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     // A stack of two frames of 1 GiB each, as a sparse file.
     let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 16384, 16384), }";
     let header = format!("{header:117}\n");
-    let mut file = fs::File::create(home.path().join("large.npy")).expect("made");
+    let mut file = fs::File::create(home.join("large.npy")).expect("made");
     file.write_all(b"\x93NUMPY\x01\x00").expect("written");
     file.write_all(&(header.len() as u16).to_le_bytes()).expect("written");
     file.write_all(header.as_bytes()).expect("written");
@@ -392,7 +375,7 @@ fn memory_that_is_refused_is_said() {
         let script = format!("ulimit -v 1000000; exec '{program}' {arguments}");
         let output = Command::new("sh")
             .args(["-c", &script])
-            .current_dir(home.path())
+            .current_dir(&home)
             .envs([("RAYON_NUM_THREADS", "2"), ("BURSTSCOPE_DEFAULTS", "")])
             .output()
             .expect("it runs");
@@ -400,5 +383,5 @@ fn memory_that_is_refused_is_said() {
         assert_eq!(output.status.code(), Some(1), "{arguments}: {words}");
         assert!(words.contains(words_of) && words.contains(named), "{arguments}: {words}");
     }
-    assert_eq!(names(home.path()), ["large.npy"]);
+    assert_eq!(names(&home), ["large.npy"]);
 }

@@ -9,18 +9,18 @@ const FORMATS: [(&str, &[u8]); 5] =
 fn written(home: &Path, command: &[&str], option: &str) -> (Vec<Vec<String>>, String) {
     for (ending, start) in FORMATS {
         let file = format!("x.{ending}");
-        let said = run_well(home, &[command, &[option, &file]].concat());
+        let said = home.run_well(&[command, &[option, &file]].concat());
         let bytes = fs::read(home.join(&file)).expect("written");
         assert!(said.contains(&format!("wrote {file}")) && bytes.starts_with(start), "{command:?} {file}");
         // A table has no mark, and is known by its header; what is not the program's stays.
         if ending == "csv" {
-            run_well(home, &[command, &[option, &file]].concat());
+            home.run_well(&[command, &[option, &file]].concat());
         }
-        fs::write(home.join(format!("mine.{ending}")), "mine\n").expect("written");
-        run_badly(home, &[command, &[option, &format!("mine.{ending}")]].concat(), 1);
+        home.write(&format!("mine.{ending}"), "mine\n");
+        home.run_badly(&[command, &[option, &format!("mine.{ending}")]].concat(), 1);
     }
     for wrong in ["x.gif", "x"] {
-        let error = run_badly(home, &[command, &[option, wrong]].concat(), 2);
+        let error = home.run_badly(&[command, &[option, wrong]].concat(), 2);
         assert!(error.contains("end the name in .pdf, .svg, .png, .csv or .tex"), "{error}");
         assert!(!names(home).contains(&wrong.to_owned()));
     }
@@ -58,30 +58,29 @@ fn has_all(latex: &str, numbers: &[f64], decimals: usize) -> bool {
 
 #[test]
 fn a_plot_and_a_table_are_two_files() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for line in ["recover demo", "evaluate chart --slopes-u -1:1:3", "evaluate frames --slopes-u -1:1:3"] {
         let line = format!("{line} --plot x.svg --table x.svg");
-        let told = run_badly(home.path(), &args(&line), 2);
-        assert!(told.contains("--plot names this file too"), "{told}");
+        says(home.run_badly(&line, 2), &["--plot names this file too"]);
     }
-    assert_eq!(names(home.path()), [""; 0]);
+    assert_eq!(names(&home), [""; 0]);
 }
 
 #[test]
 fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let line = ["demo-low-contrast", "--slopes-u", "-2:2:5", "--octaves", "2"];
     let slopes = [&["slopes"][..], &line].concat();
-    let (rows, latex) = written(home.path(), &slopes, "--plot");
-    let bars = &run_json(home.path(), &[&slopes[..], &["--json"]].concat())["spectrum"]["bars"];
+    let (rows, latex) = written(&home, &slopes, "--plot");
+    let bars = &home.run_json(&[&slopes[..], &["--json"]].concat())["spectrum"]["bars"];
     assert_same(&column(&rows, "slope_u"), &numbers(bars, |bar| &bar["slope"]["u"]));
     assert_same(&column(&rows, "features"), &numbers(bars, |bar| &bar["features"]));
     assert_same(&column(&rows, "evidence"), &numbers(bars, |bar| &bar["evidence"]));
     assert!(has_all(&latex, &column(&rows, "evidence")[..1], 3) || has_all(&latex, &column(&rows, "slope_v"), 3));
 
     let probe = [&["probe"][..], &line, &["--at", "160,120"]].concat();
-    let (rows, latex) = written(home.path(), &probe, "--plot");
-    let answer = &run_json(home.path(), &[&probe[..], &["--json"]].concat())["probe"];
+    let (rows, latex) = written(&home, &probe, "--plot");
+    let answer = &home.run_json(&[&probe[..], &["--json"]].concat())["probe"];
     let snr = answer["response"]["snr"].as_array().expect("rows").iter().flat_map(|row| numbers(row, |x| x));
     let frames = answer["shares"]["frames"].as_array().expect("frames").iter().filter(|frame| frame["covers"] == true);
     let values = frames.map(|frame| frame["value"].as_f64().expect("a number"));
@@ -89,10 +88,10 @@ fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
     assert!(latex.contains("response of each frame"), "{latex}");
 
     let recover = [&["recover"][..], &line, &["--copies", "1"]].concat();
-    let (rows, _) = written(home.path(), &recover, "--plot");
+    let (rows, _) = written(&home, &recover, "--plot");
     assert!(rows[0].join(",") == "set,plot,curve,x,y,low,high" && rows.len() > 5);
-    let (rows, latex) = written(home.path(), &recover, "--table");
-    let planted = &run_json(home.path(), &[&recover[..], &["--json"]].concat())["planted"];
+    let (rows, latex) = written(&home, &recover, "--table");
+    let planted = &home.run_json(&[&recover[..], &["--json"]].concat())["planted"];
     assert_same(&column(&rows, "snr"), &numbers(planted, |one| &one["snr"]));
     assert_same(&column(&rows, "u"), &numbers(planted, |one| &one["truth"]["u"]));
     assert!(has_all(&latex, &column(&rows, "u"), 3));
@@ -100,45 +99,45 @@ fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
 
 #[test]
 fn the_tables_of_studies_are_of_every_kind_and_have_their_numbers() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let small = ["--width", "260", "--height", "200", "--discs", "8", "--radius", "3.6:19", "--seeds", "1"];
     let methods = ["--methods", "sift-frame,buff-1d"];
     let chart = [&["evaluate", "chart", "--snr", "2"][..], &small, &methods].concat();
-    let (rows, _) = written(home.path(), &chart, "--plot");
-    let report = run_json(home.path(), &[&chart[..], &["--json"]].concat());
+    let (rows, _) = written(&home, &chart, "--plot");
+    let report = home.run_json(&[&chart[..], &["--json"]].concat());
     let roc = |of: usize| numbers(&report["rows"][0]["methods"][of]["roc"], |x| x);
     let y = column(&rows, "y");
     assert!(roc(0).starts_with(&y[..1]) && y.len() > 2, "{y:?}");
-    let (rows, latex) = written(home.path(), &chart, "--table");
+    let (rows, latex) = written(&home, &chart, "--table");
     let of_methods = &report["rows"][0]["methods"];
     let found = numbers(of_methods, |method| &method["true_positives"]["mean"]);
     assert_eq!((column(&rows, "found"), column(&rows, "snr")), (found.clone(), vec![2.0; 2]));
     assert!(has_all(&latex, &found, 1));
 
     let frames = [&["evaluate", "frames", "--snr", "2", "--frame-counts", "4,2"][..], &small, &methods].concat();
-    let (rows, _) = written(home.path(), &frames, "--table");
-    let report = run_json(home.path(), &[&frames[..], &["--json"]].concat());
+    let (rows, _) = written(&home, &frames, "--table");
+    let report = home.run_json(&[&frames[..], &["--json"]].concat());
     let found = |row: usize| numbers(&report["rows"][row]["methods"], |method| &method["true_positives"]["mean"]);
     assert_same(&column(&rows, "found"), &[found(0), found(1)].concat());
-    written(home.path(), &frames, "--plot");
+    written(&home, &frames, "--plot");
 
     let burst = ["evaluate", "frames", "demo-low-contrast", "--frame-counts", "3,5", "--slopes-u", "-1:1:3"];
-    let (rows, latex) = written(home.path(), &burst, "--table");
-    let report = run_json(home.path(), &[&burst[..], &["--json"]].concat());
+    let (rows, latex) = written(&home, &burst, "--table");
+    let report = home.run_json(&[&burst[..], &["--json"]].concat());
     assert_same(&column(&rows, "confirmed"), &numbers(&report["rows"], |row| &row["confirmed"]));
     assert!(has_all(&latex, &column(&rows, "confirmed"), 0));
-    written(home.path(), &burst, "--plot");
+    written(&home, &burst, "--plot");
 
     let accuracy = [&["evaluate", "accuracy", "--snr", "5", "--apart-discs", "0"][..], &small].concat();
-    let (rows, _) = written(home.path(), &accuracy, "--table");
-    let report = run_json(home.path(), &[&accuracy[..], &["--json"]].concat());
+    let (rows, _) = written(&home, &accuracy, "--table");
+    let report = home.run_json(&[&accuracy[..], &["--json"]].concat());
     let medians = ["u", "v", "scale", "slope_u", "slope_v"].map(|name| &report["rows"][0][name]["median_magnitude"]);
     let medians = medians.map(|median| median.as_f64().unwrap_or(f64::NAN));
     assert_same(&column(&rows, "median")[..5], &medians);
 
     let noise = ["evaluate", "noise", "--case", "white", "--megapixels", "0.1", "--method", "sift"];
-    let (rows, _) = written(home.path(), &noise, "--table");
-    let report = run_json(home.path(), &[&noise[..], &["--json"]].concat());
+    let (rows, _) = written(&home, &noise, "--table");
+    let report = home.run_json(&[&noise[..], &["--json"]].concat());
     let search = &report["rows"][0]["searches"];
     assert_same(&column(&rows, "false_features"), &numbers(search, |search| &search["false_features"]));
     assert_same(&column(&rows, "per_megapixel"), &numbers(search, |search| &search["per_megapixel"]));
@@ -146,22 +145,22 @@ fn the_tables_of_studies_are_of_every_kind_and_have_their_numbers() {
 
 #[test]
 fn the_tables_of_matches_and_poses_are_of_every_kind_and_have_their_numbers() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let way = ["synth", "trajectory", "--out", "way", "--bursts", "3", "--frames", "5", "--width", "240"];
-    run_well(home.path(), &[&way[..], &["--height", "180"]].concat());
+    home.run_well(&[&way[..], &["--height", "180"]].concat());
     let matches = ["evaluate", "matches", "way/bursts", "--methods", "sift-frame,buff-1d", "--slopes-u", "-1:1:3"];
-    let (rows, _) = written(home.path(), &matches, "--table");
-    let report = run_json(home.path(), &[&matches[..], &["--json"]].concat());
+    let (rows, _) = written(&home, &matches, "--table");
+    let report = home.run_json(&[&matches[..], &["--json"]].concat());
     for name in ["keypoints_per_image", "match_score", "verified_pairs"] {
         assert_eq!(column(&rows, name), numbers(&report["methods"], |method| &method[name]), "{name}");
     }
 
     let poses = "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0.5 0 0 0 0 1\n3 3 0 1 0 0 0 1\n";
-    fs::write(home.path().join("truth.txt"), poses).expect("written");
-    fs::write(home.path().join("found.txt"), poses.replace("2 2 0.5", "2 2 0.4")).expect("written");
+    home.write("truth.txt", poses);
+    home.write("found.txt", poses.replace("2 2 0.5", "2 2 0.4"));
     let poses = ["evaluate", "poses", "--estimate", "found.txt", "--truth", "truth.txt"];
-    let (rows, latex) = written(home.path(), &poses, "--table");
-    let report = run_json(home.path(), &[&poses[..], &["--json"]].concat());
+    let (rows, latex) = written(&home, &poses, "--table");
+    let report = home.run_json(&[&poses[..], &["--json"]].concat());
     let rmse = ["absolute", "relative"].map(|of| ["translation", "rotation_deg"].map(|e| &report[of][e]["rmse"]));
     let rmse: Vec<f64> = rmse.as_flattened().iter().map(|x| x.as_f64().expect("a number")).collect();
     assert_same(&column(&rows, "rmse"), &rmse);

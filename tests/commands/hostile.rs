@@ -6,23 +6,22 @@ use burstscope::requests::{detect_line, next_commands};
 
 #[test]
 fn a_misspelt_command_is_asked_about_and_opens_nothing() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for (words, meant) in
         [(&["matchs", "demo", "demo-later"][..], "match"), (&["detct"], "detect"), (&["Film"], "film")]
     {
-        let error = run_badly(home.path(), words, 2);
-        assert!(error.contains(&format!("did you mean 'burstscope {meant}'?")), "{words:?}: {error}");
+        says(home.run_badly(words, 2), &[&format!("did you mean 'burstscope {meant}'?")]);
     }
-    let error = run_badly(home.path(), &["night"], 1);
+    let error = home.run_badly("night", 1);
     assert!(error.contains("there is no such file or folder") && !error.contains("mean"), "{error}");
-    assert_eq!(names(home.path()), [""; 0], "nothing is drawn of what cannot be opened");
+    assert_eq!(names(&home), [""; 0], "nothing is drawn of what cannot be opened");
 }
 
 const LARGEST: &str = "9223372036854775807";
 
 #[test]
 fn a_number_that_no_file_can_keep_is_refused_where_it_is_read() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let beyond = ["9223372036854775808", "18446744073709551615", "99999999999999999999999"];
     let commands = [
         "detect demo-tripod --out o --json --max-features N",
@@ -41,31 +40,30 @@ fn a_number_that_no_file_can_keep_is_refused_where_it_is_read() {
     for command in commands {
         for number in beyond {
             let command = command.replace('N', number);
-            let words = args(&command);
-            let error = run_badly(home.path(), &words, 2);
+            let words = command.words();
+            let error = home.run_badly(&words, 2);
             assert!(error.contains(number), "{command}: {error}");
             let is_told = [LARGEST, "too large", "is neither", "is not in"].iter().any(|words| error.contains(words));
             assert!(is_told, "{command}: {error}");
         }
     }
-    assert_eq!(names(home.path()), Vec::<String>::new());
-    let error =
-        run_badly(home.path(), &["detect", "demo-tripod", "--out", "o", "--frames", "0..18446744073709551615"], 2);
+    assert_eq!(names(&home), Vec::<String>::new());
+    let error = home.run_badly("detect demo-tripod --out o --frames 0..18446744073709551615", 2);
     assert!(error.contains(&format!("18446744073709551615 is more than {LARGEST}")), "{error}");
-    let error = run_badly(home.path(), &["synth", "chart", "--out", "o", "--seed", "9223372036854775808"], 2);
+    let error = home.run_badly("synth chart --out o --seed 9223372036854775808", 2);
     assert!(error.contains(&format!("--seed: 9223372036854775808 is more than {LARGEST}")), "{error}");
     // The largest one is a number like others.
-    run_well(home.path(), &["case", "demo-tripod", "--out", "a.burstcase", "--json", "--max-features", LARGEST]);
+    home.run_well(&["case", "demo-tripod", "--out", "a.burstcase", "--json", "--max-features", LARGEST]);
 }
 
 #[cfg(unix)]
 #[test]
 fn no_pipe_is_waited_for() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let pipe = |name: &str| {
-        assert!(Command::new("mkfifo").arg(home.path().join(name)).status().expect("mkfifo runs").success());
+        assert!(Command::new("mkfifo").arg(home.join(name)).status().expect("mkfifo runs").success());
     };
-    let folder = |name: &str| fs::create_dir_all(home.path().join(name)).expect("made");
+    let folder = |name: &str| fs::create_dir_all(home.join(name)).expect("made");
     folder("bag");
     ["bag/metadata.yaml", "a.burstcase", "a.toml", "times.csv", "a.csv"].iter().for_each(|name| pipe(name));
     for left in ["out/.burstscope-abcdef.tmp", "out/.burstscope-lock.tmp"] {
@@ -79,7 +77,7 @@ fn no_pipe_is_waited_for() {
     pipe("taken/.burstscope-lock");
     let list =
         "version = 1\ndid = [[{ open = [\"a\", \"demo-tripod\"] }], [{ open_features = [\"a\", \"./a.csv\"] }]]\n";
-    fs::write(home.path().join("list.toml"), list).expect("written");
+    home.write("list.toml", list);
     let commands = [
         ("info bag", Some(1)),
         ("detect bag --out found", None),
@@ -93,7 +91,7 @@ fn no_pipe_is_waited_for() {
         ("synth chart --out out/made --frames 2 --quiet", Some(0)),
     ];
     for (command, code) in commands {
-        let mut running = program(home.path(), &args(command));
+        let mut running = home.program(command);
         let output = ended(running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts"));
         assert!(code.is_none_or(|code| output.status.code() == Some(code)), "{command}: {}", stderr(&output));
         assert!(output.status.code().is_some_and(|code| code < 3), "{command}: {}", stderr(&output));
@@ -102,64 +100,59 @@ fn no_pipe_is_waited_for() {
 
 #[test]
 fn a_picture_of_a_file_without_header_says_what_is_missing() {
-    let home = tempfile::tempdir().expect("a folder");
-    fs::write(home.path().join("x.raw"), [7; 4096]).expect("written");
-    let expected = run_badly(home.path(), &["detect", "x.raw", "--out", "o"], 1);
+    let home = folder();
+    home.write("x.raw", [7; 4096]);
+    let expected = home.run_badly("detect x.raw --out o", 1);
     let words = expected.split("error: ").nth(1).and_then(|error| error.split_once(": ")).expect("an error").1;
-    let running = program(home.path(), &["render", "x.raw", "--out", "r.png"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn();
+    let running = home.program("render x.raw --out r.png").stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
     let output = ended(running.expect("it starts"));
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains(words.trim()) && words.contains("--raw"), "{}", stderr(&output));
-    assert!(!home.path().join("r.png").exists());
+    assert!(!home.join("r.png").exists());
 }
 
 #[test]
 fn sizes_of_a_picture_that_make_no_sense_are_refused() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for size in ["", "1280", "0x0", "-5x9", "99999x99999"] {
-        let error = run_badly(home.path(), &["render", "demo", "--out", "a.png", &format!("--size={size}")], 2);
-        assert!(error.contains("--size"), "{error}");
+        says(home.run_badly(&["render", "demo", "--out", "a.png", &format!("--size={size}")], 2), &["--size"]);
     }
     for scale in ["nan", "9"] {
-        run_badly(home.path(), &["render", "demo", "--out", "a.png", "--scale", scale], 2);
+        home.run_badly(&["render", "demo", "--out", "a.png", "--scale", scale], 2);
     }
-    assert_eq!(names(home.path()), Vec::<String>::new());
+    assert_eq!(names(&home), Vec::<String>::new());
 }
 
 #[test]
 fn a_list_that_is_played_writes_nothing_but_the_picture() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for name in ["a", "b"] {
         let size = ["--width", "320", "--height", "240", "--frames", "2", "--discs", "5"];
         let out = format!("ds/{name}");
-        run_well(home.path(), &[&["synth", "chart", "--out", &out, "--quiet"][..], &size].concat());
+        home.run_well(&[&["synth", "chart", "--out", &out, "--quiet"][..], &size].concat());
     }
     for action in ["{ do = \"detect_all\" }", "\"detect_all_anyway\""] {
         let list = format!(
             "version = 1\ndid = [\n[{{ open_dataset = {{ paths = [\"./ds\"] }} }}],\n[{{ use_feature_folder = \"./victim\" }}],\n[{action}],\n]\n"
         );
-        fs::write(home.path().join("list.toml"), list).expect("written");
-        let error = run_badly(home.path(), &["render", "--play", "list.toml", "--out", "a.png"], 2);
-        assert!(error.contains("detect_all") && error.contains("writes files"), "{error}");
-        assert_eq!(names(home.path()), ["ds", "list.toml"]);
+        home.write("list.toml", list);
+        says(home.run_badly("render --play list.toml --out a.png", 2), &["detect_all", "writes files"]);
+        assert_eq!(names(&home), ["ds", "list.toml"]);
     }
 }
 
 #[cfg(unix)]
 #[test]
 fn names_are_one_word_for_a_shell_and_one_line_for_people() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let odd = "o'; touch pwned; '";
-    for line in [false, true].into_iter().flat_map(|is_known| next_commands(&home.path().join(odd), is_known)) {
+    for line in [false, true].into_iter().flat_map(|is_known| next_commands(&home.join(odd), is_known)) {
         // What the lines start is not here; that they say nothing else to the shell is.
         let stubs = "mkdir() { :; }; colmap() { :; }; python3() { :; }; ";
-        let shell = Command::new("sh").current_dir(home.path()).args(["-c", &format!("{stubs}{line}")]).status();
+        let shell = Command::new("sh").current_dir(&home).args(["-c", &format!("{stubs}{line}")]).status();
         assert!(shell.expect("it runs").success(), "{line}");
     }
-    assert_eq!(names(home.path()), Vec::<String>::new());
+    assert_eq!(names(&home), Vec::<String>::new());
     let line = detect_line(&["-odd".to_owned(), odd.to_owned()], &SearchParams::default(), &OpenOptions::default());
     assert_eq!(line, format!("burstscope detect ./-odd {} --out features", shell_word(odd)));
     for text in [odd, "$(touch pwned)", "`x`", "a\nb", "it's\n100 % \\n", "-x", "", "~", "a b", "ü/1.png", "\"", "\\"]
@@ -176,22 +169,21 @@ fn names_are_one_word_for_a_shell_and_one_line_for_people() {
     for (start, tool) in [(&b"\x1f\x8b"[..], "gunzip"), (b"\x89HDF\r\n\x1a\n", "python3"), (b"ZISRAWFILE", "bfconvert")]
     {
         let name = format!("{odd}.x");
-        fs::write(home.path().join(&name), [start, &[0; 64]].concat()).expect("written");
-        let error = run_badly(home.path(), &["info", &name], 1);
-        assert!(error.contains(tool) && error.contains(&shell_word(&name)), "{error}");
-        fs::remove_file(home.path().join(&name)).expect("removed");
+        fs::write(home.join(&name), [start, &[0; 64]].concat()).expect("written");
+        says(home.run_badly(&["info", &name], 1), &[tool, &shell_word(&name)]);
+        fs::remove_file(home.join(&name)).expect("removed");
     }
     // What a terminal reads as a command, and a line feed, are written out.
     let name = "a\u{1b}[31m\u{9b}2J\r.png";
-    fs::write(home.path().join(name), "no picture").expect("written");
-    let text = run_badly(home.path(), &["info", name], 1);
+    fs::write(home.join(name), "no picture").expect("written");
+    let text = home.run_badly(&["info", name], 1);
     assert!(text.contains("a\\u{1b}[31m\\u{9b}2J\\u{d}.png") && !text.contains(['\u{1b}', '\u{9b}', '\r']), "{text}");
     let name = "a\nerror: all is lost.png";
-    image::GrayImage::from_pixel(9, 9, image::Luma([9])).save(home.path().join("a.png")).expect("saved");
-    fs::rename(home.path().join("a.png"), home.path().join(name)).expect("renamed");
-    let text = run_well(home.path(), &["info", name]);
+    image::GrayImage::from_pixel(9, 9, image::Luma([9])).save(home.join("a.png")).expect("saved");
+    fs::rename(home.join("a.png"), home.join(name)).expect("renamed");
+    let text = home.run_well(&["info", name]);
     assert!(text.contains("a\\u{a}error") && !text.contains("\nerror"), "{text}");
-    fs::write(home.path().join(name), "no picture").expect("written");
-    let text = run_badly(home.path(), &["info", name], 1);
+    fs::write(home.join(name), "no picture").expect("written");
+    let text = home.run_badly(&["info", name], 1);
     assert!(text.contains("a\\u{a}error") && !text.contains("\nerror"), "{text}");
 }

@@ -6,13 +6,13 @@ const GARLANDS: [&str; 3] = ["demo-aliasing", "--slopes-u", "-9:9:37"];
 
 #[test]
 fn probe_says_what_became_of_a_place() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     // The moon.
-    let text = run_well(home.path(), &["probe", "demo", "--at", "92,58", "--slopes-u", "-3:3:13"]);
+    let text = home.run_well("probe demo --at 92,58 --slopes-u -3:3:13");
     for words in ["demo at (92, 58)", "noise gate", "kept as", "frame   0", "coherence"] {
         assert!(text.contains(words), "{words}: {text}");
     }
-    let found = run_json(home.path(), &["probe", "demo", "--at", "92,58", "--slopes-u", "-3:3:13", "--json"]);
+    let found = home.run_json("probe demo --at 92,58 --slopes-u -3:3:13 --json");
     assert_eq!(found["command"], "probe");
     let fates = found["probe"]["fates"].as_array().expect("fates");
     assert!(fates.iter().any(|f| f["first_failed"].is_null()), "something was kept");
@@ -31,27 +31,26 @@ fn probe_says_what_became_of_a_place() {
 
 #[test]
 fn probe_of_a_feature_is_that_of_its_place_and_draws_it() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let line = ["--slopes-u", "-3:3:13", "--quiet"];
-    run_well(home.path(), &[&["probe", "demo", "--feature", "0", "--plot", "deep/why.svg"], &line[..]].concat());
-    let svg = fs::read_to_string(home.path().join("deep/why.svg")).expect("a figure");
+    home.run_well(&[&["probe", "demo", "--feature", "0", "--plot", "deep/why.svg"], &line[..]].concat());
+    let svg = home.text("deep/why.svg");
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|n| n.has_tag_name(tag)).count();
     // The map, the slice, and a patch for each of ten frames.
     assert_eq!(count("image"), 12);
     assert!(count("circle") > 10 && count("text") > 30);
     assert!(svg.contains("Kept as"), "the tests are told");
-    let found = run_json(home.path(), &["probe", "demo", "--feature", "0", "--slopes-u", "-3:3:13", "--json"]);
+    let found = home.run_json("probe demo --feature 0 --slopes-u -3:3:13 --json");
     let subject = found["probe"]["subject"]["fate"].as_u64().expect("a candidate") as usize;
-    let features = found["probe"]["fates"][subject]["features"].as_array().expect("indices");
-    assert!(features.contains(&Value::from(0)));
+    assert!(found["probe"]["fates"][subject]["features"].as_array().expect("indices").contains(&0.into()));
 }
 
 #[test]
 fn an_option_that_probe_proposes_keeps_what_was_lost() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let place = ["demo-low-contrast", "--at", "160,120", "--slopes-u", "-2:2:9"];
-    let asked = run_json(home.path(), &[&["probe", "--json"], &place[..]].concat());
+    let asked = home.run_json(&[&["probe", "--json"], &place[..]].concat());
     let fates = asked["probe"]["fates"].as_array().expect("fates");
     let lost = fates
         .iter()
@@ -60,7 +59,7 @@ fn an_option_that_probe_proposes_keeps_what_was_lost() {
     let change = &lost["remedy"]["change"];
     let option = format!("--{}", change["parameter"].as_str().expect("a name"));
     let value = change["value"].as_str().expect("a value");
-    let again = run_json(home.path(), &[&["probe", "--json", &option, value], &place[..]].concat());
+    let again = home.run_json(&[&["probe", "--json", &option, value], &place[..]].concat());
     let same = |f: &&Value| ["octave", "level", "slope_index", "sample"].iter().all(|key| f[*key] == lost[*key]);
     let now = again["probe"]["fates"].as_array().expect("fates").iter().find(same).expect("the same candidate");
     assert_ne!(now["first_failed"], "noise_gate", "{now:#}");
@@ -68,31 +67,30 @@ fn an_option_that_probe_proposes_keeps_what_was_lost() {
 
 #[test]
 fn the_price_of_an_option_is_what_it_then_gives() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let search = ["demo-low-contrast", "--slopes-u", "-2:2:9", "--noise-gate", "8"];
-    let asked = run_json(home.path(), &[&["probe", "--json", "--at", "160,120", "--price"], &search[..]].concat());
+    let asked = home.run_json(&[&["probe", "--json", "--at", "160,120", "--price"], &search[..]].concat());
     let (probe, price) = (&asked["probe"], &asked["price"]);
     let subject = probe["subject"]["fate"].as_u64().expect("a candidate is there") as usize;
     let change = &probe["fates"][subject]["remedy"]["change"];
     let (option, value) = (format!("--{}", change["parameter"].as_str().expect("a name")), change["value"].clone());
     let option = [option.as_str(), value.as_str().expect("a value")];
-    let again = run_json(home.path(), &[&["probe", "--json", "--at", "160,120"], &search[..3], &option[..]].concat());
+    let again = home.run_json(&[&["probe", "--json", "--at", "160,120"], &search[..3], &option[..]].concat());
     assert_eq!((&price["now"], &price["then"]), (&asked["features"], &again["features"]), "{price}");
-    let text = run_well(home.path(), &[&["probe", "--at", "160,120", "--price"], &search[..]].concat());
+    let text = home.run_well(&[&["probe", "--at", "160,120", "--price"], &search[..]].concat());
     assert!(text.contains(&format!("{} keeps this one, and ", option.join(" "))), "{text}");
 }
 
 #[test]
 fn slopes_tells_what_is_there_and_what_to_change() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     // The sign moves by −2.1 px/frame, the lanterns by 1.6: a range of ±1 holds neither.
-    let text = run_well(home.path(), &["slopes", "demo", "--slopes-u", "-1:1:5"]);
-    assert!(text.contains("beyond") && text.contains("try --slopes-u"), "{text}");
-    let narrow = run_json(home.path(), &["slopes", "demo", "--slopes-u", "-1:1:5", "--json"]);
+    says(home.run_well("slopes demo --slopes-u -1:1:5"), &["beyond", "try --slopes-u"]);
+    let narrow = home.run_json("slopes demo --slopes-u -1:1:5 --json");
     let advice = narrow["spectrum"]["advice"].as_array().expect("advice");
     assert!(advice.iter().any(|a| a["subject"] == "range" || a["subject"] == "direction"), "{advice:#?}");
     // Slopes that were found need no advice.
-    let found = run_json(home.path(), &["slopes", "demo", "--json"]);
+    let found = home.run_json("slopes demo --json");
     assert_eq!(found["spectrum"]["advice"], Value::Array(Vec::new()));
     let bars = found["spectrum"]["bars"].as_array().expect("bars");
     let features: u64 = bars.iter().map(|bar| bar["features"].as_u64().expect("a count")).sum();
@@ -101,20 +99,20 @@ fn slopes_tells_what_is_there_and_what_to_change() {
 
 #[test]
 fn slopes_and_detect_judge_the_slopes_in_the_same_words() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for (options, words) in [
         (&["demo", "--slopes-u", "-1:1:5"][..], "beyond the range u −1 to 1 px/frame"),
         (&["demo-tripod", "--slopes-u", "-2:2:9"][..], "one slope, 0, is enough"),
         (&["demo-depths"][..], "the slopes fit the burst; "),
     ] {
-        let answer = run_json(home.path(), &[&["slopes", "--json"], options].concat());
+        let answer = home.run_json(&[&["slopes", "--json"], options].concat());
         let sentence = answer["spectrum"]["judgement"]["sentence"].as_str().expect("a sentence");
         assert!(sentence.contains(words), "{sentence}");
-        assert!(run_well(home.path(), &[&["slopes"], options].concat()).contains(sentence), "{sentence}");
-        let found = run_json(home.path(), &[&["detect", "--out", "found", "--json"], options].concat());
+        assert!(home.run_well(&[&["slopes"], options].concat()).contains(sentence), "{sentence}");
+        let found = home.run_json(&[&["detect", "--out", "found", "--json"], options].concat());
         assert_eq!(found["bursts"][0]["slopes_judged"]["sentence"], sentence);
         // Slopes that cost too much give the same features: for people they are not compared with the frames.
-        let text = run_well(home.path(), &[&["detect", "--out", "found"], options].concat());
+        let text = home.run_well(&[&["detect", "--out", "found"], options].concat());
         let said =
             if words.starts_with("one slope") { "the slopes were not compared with the frames" } else { sentence };
         assert!(text.contains(said), "{said}\n{text}");
@@ -123,21 +121,21 @@ fn slopes_and_detect_judge_the_slopes_in_the_same_words() {
 
 #[test]
 fn slopes_has_the_features_of_garlands_a_period_away_and_draws_them() {
-    let home = tempfile::tempdir().expect("a folder");
-    let text = run_well(home.path(), &[&["slopes", "--plot", "garlands.svg"], &GARLANDS[..]].concat());
+    let home = folder();
+    let text = home.run_well(&[&["slopes", "--plot", "garlands.svg"], &GARLANDS[..]].concat());
     // The lamps move by 1 px/frame and stand 8 px apart.
     let at_alias = text.lines().find_map(|line| line.trim().strip_prefix("−7 ")).expect("a row of the slope");
     let features = at_alias.split_whitespace().next().and_then(|count| count.parse::<usize>().ok());
     assert!(features.is_some_and(|count| count >= 10), "{text}");
-    let svg = fs::read_to_string(home.path().join("garlands.svg")).expect("a figure");
+    let svg = home.text("garlands.svg");
     assert!(roxmltree::Document::parse(&svg).is_ok() && svg.contains("1 176 features at 37 slopes"), "{svg}");
 }
 
 #[test]
 fn decoys_says_how_much_is_found_in_other_orders_too() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let line = ["decoys", "demo-crossing", "--slopes-u", "-2:2:5", "--copies", "2"];
-    let found = run_json(home.path(), &[&line[..], &["--json"]].concat());
+    let found = home.run_json(&[&line[..], &["--json"]].concat());
     assert_eq!((&found["command"], &found["decoys"]["copies"]), (&Value::from("decoys"), &Value::from(2)));
     let rates = found["decoys"]["rates"].as_array().expect("rates");
     assert!(rates.len() > 5 && rates[0]["found"].as_u64() > Some(10), "{rates:?}");
@@ -148,17 +146,17 @@ fn decoys_says_how_much_is_found_in_other_orders_too() {
         assert!(counts.len() == 2 && (one["rate"].as_f64().expect("a rate") - rate).abs() < 1e-9, "{one}");
     }
     // The text has the same numbers, and another number of threads finds the same.
-    let text = run_well(home.path(), &[&line[..], &["--threads", "1"]].concat());
+    let text = home.run_well(&[&line[..], &["--threads", "1"]].concat());
     let (rate, error) = (rates[0]["rate"].as_f64().expect("a rate"), rates[0]["error"].as_f64().expect("an error"));
     assert!(text.contains("2 copies in other orders (seed 1)"), "{text}");
     assert!(text.contains(&format!("{rate:.2} ± {error:.2}")), "{text}");
-    let other = run_json(home.path(), &[&line[..], &["--seed", "2", "--json"]].concat());
+    let other = home.run_json(&[&line[..], &["--seed", "2", "--json"]].concat());
     assert_ne!(other["decoys"]["rates"], found["decoys"]["rates"]);
 }
 
 #[test]
 fn wrong_use_says_what_would_be_right() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for (arguments, code, words) in [
         (vec!["probe", "demo"], 2, "--at"),
         (vec!["probe", "demo", "--at", "9"], 2, "is not U,V"),
@@ -175,32 +173,30 @@ fn wrong_use_says_what_would_be_right() {
         (vec!["decoys", "demo", "--method", "merge"], 2, "which takes 4 or more of them, and a method that"),
         (vec!["decoys", "demo", "demo-later"], 2, "takes one burst"),
     ] {
-        let error = run_badly(home.path(), &arguments, code);
-        assert!(error.contains(words), "{arguments:?}: {error}");
+        says(home.run_badly(&arguments, code), &[words]);
     }
-    assert_eq!(names(home.path()), Vec::<String>::new(), "nothing was written");
+    assert_eq!(names(&home), Vec::<String>::new(), "nothing was written");
 }
 
 #[test]
 fn the_examples_are_bursts_like_any_other() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for name in ["demo-aliasing", "demo-low-contrast", "demo-crossing"] {
-        run_well(home.path(), &["detect", name, "--slopes-u", "-2:2:5", "--out", "found"]);
-        assert!(home.path().join(format!("found/{name}.csv")).is_file());
+        home.run_well(&["detect", name, "--slopes-u", "-2:2:5", "--out", "found"]);
+        assert!(home.join(format!("found/{name}.csv")).is_file());
     }
-    run_well(home.path(), &["render", "demo-aliasing", "--no-detect", "--out", "x.png"]);
-    assert!(home.path().join("x.png").is_file(), "the window opens them too");
+    home.run_well("render demo-aliasing --no-detect --out x.png");
+    assert!(home.join("x.png").is_file(), "the window opens them too");
 }
 
 #[test]
 fn documents_have_the_digits_of_32_bit_numbers() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let search = ["--octaves", "2", "--edge-threshold", "8.1", "--json"];
     for command in [&["probe", "demo", "--at", "92,58"][..], &["slopes", "demo"]] {
-        let text = run_well(home.path(), &[command, &search].concat());
-        assert!(text.contains("\"edge_threshold\": 8.1,"), "{text}");
+        says(home.run_well(&[command, &search].concat()), &["\"edge_threshold\": 8.1,"]);
     }
-    let document = run_json(home.path(), &["stack", "demo", "--slope", "-2.1,0.3", "--out", "a.tiff", "--json"]);
+    let document = home.run_json("stack demo --slope -2.1,0.3 --out a.tiff --json");
     assert_eq!(document["slope"], serde_json::json!({ "u": -2.1, "v": 0.3 }));
     for key in ["min", "max"] {
         let number = document[key].as_f64().expect("a number");

@@ -7,7 +7,7 @@ use std::time::SystemTime;
 /// Makes one film of twenty small bursts.
 fn film(home: &Path) {
     let size = ["--width", "96", "--height", "72", "--frames", "60", "--max-slope", "1", "--snr", "10"];
-    run_well(home, &[&["synth", "scene", "--out", "film"][..], &size].concat());
+    home.run_well(&[&["synth", "scene", "--out", "film"][..], &size].concat());
 }
 
 fn arguments<'a>(out: &'a str, edge_threshold: &'a str) -> Vec<&'a str> {
@@ -78,7 +78,7 @@ fn written(folder: &Path) -> BTreeSet<(String, SystemTime)> {
 /// before it ended.
 fn kill_after(home: &Path, line: &[&str], out: &Path, count: usize, later: Duration, is_asked: bool) -> bool {
     let before = written(out);
-    let mut running = program(home, line);
+    let mut running = home.program(line);
     let mut running = running.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
     while written(out).difference(&before).count() < count && running.try_wait().expect("a state").is_none() {
         std::thread::sleep(Duration::from_micros(500));
@@ -97,10 +97,10 @@ fn kill_after(home: &Path, line: &[&str], out: &Path, count: usize, later: Durat
 
 #[test]
 fn killed_at_any_moment_it_goes_on_to_the_same_end() {
-    let home = tempfile::tempdir().expect("a folder");
-    film(home.path());
-    run_well(home.path(), &arguments("whole", "12"));
-    let whole = home.path().join("whole");
+    let home = folder();
+    film(&home);
+    home.run_well(&arguments("whole", "12"));
+    let whole = home.join("whole");
     let expected = made(&whole);
     assert!(expected["keypoints"].len() > 1000 && expected.len() == 46, "twenty bursts with features");
     let files = written(&whole).len();
@@ -109,16 +109,16 @@ fn killed_at_any_moment_it_goes_on_to_the_same_end() {
     let mut killed = 0;
     for round in 0..4 {
         let out = format!("killed {round}");
-        let folder = home.path().join(&out);
+        let folder = home.join(&out);
         for kill in 0..3 {
             // Every other run searches other features.
             let line = arguments(&out, if kill % 2 == 0 { "12" } else { "3" });
             let moment = 3 * round + kill;
             let later = Duration::from_millis(moment as u64 % 4);
             let is_asked = cfg!(unix) && kill % 2 == 1;
-            killed += usize::from(kill_after(home.path(), &line, &folder, moment * files / 11, later, is_asked));
+            killed += usize::from(kill_after(&home, &line, &folder, moment * files / 11, later, is_asked));
         }
-        let output = run(home.path(), &arguments(&out, "12"));
+        let output = home.run(&arguments(&out, "12"));
         assert_eq!(output.status.code(), Some(0), "round {round}: {}", stderr(&output));
         same(&folder, &expected, &format!("round {round}"));
         for part in parts(&folder) {
@@ -131,10 +131,10 @@ fn killed_at_any_moment_it_goes_on_to_the_same_end() {
 
 #[test]
 fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
-    let home = tempfile::tempdir().expect("a folder");
-    film(home.path());
-    run_well(home.path(), &arguments("rec", "12"));
-    let folder = home.path().join("rec");
+    let home = folder();
+    film(&home);
+    home.run_well(&arguments("rec", "12"));
+    let folder = home.join("rec");
     let expected = made(&folder);
     let first = folder.join("features").join(&names(&folder.join("features"))[0]);
     // The same number of features and length of file, but other numbers.
@@ -143,20 +143,19 @@ fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
     let other = if text[digit..].starts_with('7') { "8" } else { "7" };
     fs::write(&first, format!("{}{other}{}", &text[..digit], &text[digit + 1..])).expect("written");
     let resumed = |home: &Path| {
-        let json = run_json(home, &[&arguments("rec", "12")[..], &["--json"]].concat());
+        let json = home.run_json(&[&arguments("rec", "12")[..], &["--json"]].concat());
         json["images"].as_array().expect("images").iter().filter(|image| image["resumed"] == true).count()
     };
-    assert_eq!(resumed(home.path()), 19);
+    assert_eq!(resumed(&home), 19);
     same(&folder, &expected, "altered");
-    assert_eq!(resumed(home.path()), 20);
+    assert_eq!(resumed(&home), 20);
     // A folder in the way of a record: the burst is reported as failed, and its features do not count as finished.
     let record = folder.join("records").join(&names(&folder.join("records"))[0]);
     fs::remove_file(&record).expect("removed");
     fs::create_dir(&record).expect("made");
-    let words = run_badly(home.path(), &arguments("rec", "3"), 1);
-    assert!(words.contains("records"), "{words}");
+    says(home.run_badly(&arguments("rec", "3"), 1), &["records"]);
     fs::remove_dir(&record).expect("removed");
-    run_well(home.path(), &arguments("rec", "12"));
+    home.run_well(&arguments("rec", "12"));
     same(&folder, &expected, "in the way");
 }
 
@@ -164,7 +163,7 @@ fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
 fn nights(home: &Path) {
     for (night, seed) in [("a", "1"), ("b", "2")] {
         let size = ["--width", "96", "--height", "72", "--frames", "3", "--discs", "4", "--radius", "3:6"];
-        run_well(home, &[&["synth", "chart", "--out", night, "--seed", seed, "--snr", "5"][..], &size].concat());
+        home.run_well(&[&["synth", "chart", "--out", night, "--seed", seed, "--snr", "5"][..], &size].concat());
         fs::create_dir_all(home.join("nights").join(night)).expect("made");
         for t in 0..3 {
             let frame = image::open(home.join(night).join(format!("frame_00{t}.png"))).expect("a frame");
@@ -176,18 +175,18 @@ fn nights(home: &Path) {
 /// For each burst of `nights`, whether it was taken from an earlier run into the folder `rec`.
 fn resumed(home: &Path, more: &[&str]) -> Vec<bool> {
     let arguments = ["colmap", "nights", "--out", "rec", "--slopes-u", "-1:1:3", "--octaves", "2", "--json"];
-    let json = run_json(home, &[&arguments, more].concat());
+    let json = home.run_json(&[&arguments, more].concat());
     json["images"].as_array().expect("images").iter().map(|image| image["resumed"] == true).collect()
 }
 
 #[test]
 fn colmap_keeps_faint_features_unless_told_otherwise() {
-    let home = tempfile::tempdir().expect("a folder");
-    nights(home.path());
-    fs::write(home.path().join("mine.toml"), "levels = 4\n").expect("written");
+    let home = folder();
+    nights(&home);
+    home.write("mine.toml", "levels = 4\n");
     let gate = |out: &str, more: &[&str]| {
         let arguments = ["colmap", "nights", "--slopes-u", "-1:1:3", "--octaves", "2", "--json", "--out", out];
-        let json = run_json(home.path(), &[&arguments, more].concat());
+        let json = home.run_json(&[&arguments, more].concat());
         let features = json["images"].as_array().expect("images").iter().map(|image| image["features"].as_u64());
         let text = json.to_string();
         let word = ["matching", "auto"].into_iter().find(|word| text.contains(&format!("\"noise_gate\":\"{word}\"")));
@@ -199,18 +198,17 @@ fn colmap_keeps_faint_features_unless_told_otherwise() {
     assert!(kept > fewer, "{kept} {fewer}");
     assert_eq!(gate("rec3", &["--params", "mine.toml"]).0, Some("auto"), "a parameter file has the usual defaults");
     // The slopes are found, as everywhere, unless they are given.
-    let json = run_json(home.path(), &["colmap", "nights", "--octaves", "2", "--json", "--out", "rec4"]);
+    let json = home.run_json("colmap nights --octaves 2 --json --out rec4");
     assert_eq!(json["params"]["slopes"], "auto");
-    let help = run_well(home.path(), &["colmap", "--help"]);
-    assert!(help.contains("[default of this command: matching]"), "{help}");
+    says(home.run_well("colmap --help"), &["[default of this command: matching]"]);
 }
 
 #[test]
 fn features_are_kept_for_frames_of_the_same_content() {
-    let home = tempfile::tempdir().expect("a folder");
-    nights(home.path());
-    let at = |name: &str| home.path().join(name);
-    assert_eq!(resumed(home.path(), &[]), [false, false]);
+    let home = folder();
+    nights(&home);
+    let at = |name: &str| home.join(name);
+    assert_eq!(resumed(&home, &[]), [false, false]);
     let first = made(&at("rec"));
     // Other access rights, another date, a copy in the frame's place: the content is the same.
     let frame = at("nights/a/1.pgm");
@@ -218,107 +216,105 @@ fn features_are_kept_for_frames_of_the_same_content() {
     let modified = modified.expect("a time");
     let set_modified = |time| fs::File::options().write(true).open(&frame).and_then(|file| file.set_modified(time));
     set_modified(modified - Duration::from_secs(60)).expect("set");
-    assert_eq!(resumed(home.path(), &[]), [true, true]);
+    assert_eq!(resumed(&home, &[]), [true, true]);
     fs::write(at("copy.pgm"), &content).and_then(|()| fs::rename(at("copy.pgm"), &frame)).expect("replaced");
-    assert_eq!(resumed(home.path(), &[]), [true, true]);
-    assert_eq!(resumed(home.path(), &["--check-content"]), [true, true]);
+    assert_eq!(resumed(&home, &[]), [true, true]);
+    assert_eq!(resumed(&home, &["--check-content"]), [true, true]);
     // Another frame of the same length and date.
     let other = fs::read(at("nights/b/1.pgm")).expect("read");
     assert!(other.len() == content.len() && other != content);
     set_modified(modified).expect("set");
-    resumed(home.path(), &[]);
+    resumed(&home, &[]);
     fs::write(&frame, &other).and_then(|()| set_modified(modified)).expect("replaced");
     if cfg!(unix) {
-        assert_eq!(resumed(home.path(), &[]), [false, true]);
+        assert_eq!(resumed(&home, &[]), [false, true]);
         assert!(made(&at("rec")) != first, "other frames have other features");
     }
     fs::write(&frame, &content).expect("put back");
-    resumed(home.path(), &["--check-content"]);
+    resumed(&home, &["--check-content"]);
     same(&at("rec"), &first, "put back");
 }
 
 #[test]
 fn the_content_decides_when_it_is_asked_for() {
-    let home = tempfile::tempdir().expect("a folder");
-    nights(home.path());
-    resumed(home.path(), &[]);
-    let record = home.path().join("rec/records/a.png.json");
+    let home = folder();
+    nights(&home);
+    resumed(&home, &[]);
+    let record = home.join("rec/records/a.png.json");
     // As if the frame had changed, with length and times unchanged.
     let text = fs::read_to_string(&record).expect("a record");
     let mut json: Value = serde_json::from_str(&text).expect("JSON");
     json["files"][1]["crc32"] = serde_json::json!(1);
     fs::write(&record, json.to_string()).expect("written");
-    assert_eq!(resumed(home.path(), &[]), [true, true]);
-    assert_eq!(resumed(home.path(), &["--check-content"]), [false, true]);
-    assert_eq!(resumed(home.path(), &["--check-content"]), [true, true]);
+    assert_eq!(resumed(&home, &[]), [true, true]);
+    assert_eq!(resumed(&home, &["--check-content"]), [false, true]);
+    assert_eq!(resumed(&home, &["--check-content"]), [true, true]);
 }
 
 #[test]
 fn a_picture_that_was_emptied_or_altered_is_written_again() {
-    let home = tempfile::tempdir().expect("a folder");
-    nights(home.path());
-    resumed(home.path(), &[]);
-    let first = made(&home.path().join("rec"));
-    let picture = home.path().join("rec/images/b.png");
+    let home = folder();
+    nights(&home);
+    resumed(&home, &[]);
+    let first = made(&home.join("rec"));
+    let picture = home.join("rec/images/b.png");
     let whole = fs::read(&picture).expect("a picture");
     let mut altered = whole.clone();
     altered[whole.len() / 2] ^= 1;
     for wrong in [&b""[..], &whole[..whole.len() / 2], &altered] {
         fs::write(&picture, wrong).expect("written");
-        assert_eq!(resumed(home.path(), &[]), [true, true], "its features are whole");
-        same(&home.path().join("rec"), &first, "written again");
+        assert_eq!(resumed(&home, &[]), [true, true], "its features are whole");
+        same(&home.join("rec"), &first, "written again");
     }
     fs::remove_file(&picture).expect("removed");
-    assert_eq!(resumed(home.path(), &[]), [true, true]);
-    same(&home.path().join("rec"), &first, "made again");
+    assert_eq!(resumed(&home, &[]), [true, true]);
+    same(&home.join("rec"), &first, "made again");
 }
 
 #[test]
 fn two_processes_do_not_write_into_one_folder() {
-    let home = tempfile::tempdir().expect("a folder");
-    film(home.path());
-    fs::create_dir(home.path().join("rec")).expect("made");
-    let lock = home.path().join("rec/.burstscope-lock");
+    let home = folder();
+    film(&home);
+    home.make_dir("rec");
+    let lock = home.join("rec/.burstscope-lock");
     fs::write(&lock, "process 4711 on lighthouse\n").expect("written");
     let file = fs::OpenOptions::new().read(true).write(true).open(&lock).expect("opened");
     file.try_lock().expect("free");
-    let words = run_badly(home.path(), &arguments("rec", "12"), 1);
-    assert!(words.contains("process 4711 on lighthouse writes into this folder"), "{words}");
+    says(home.run_badly(&arguments("rec", "12"), 1), &["process 4711 on lighthouse writes into this folder"]);
     drop(file);
     std::thread::sleep(Duration::from_millis(1));
-    run_well(home.path(), &arguments("rec", "12"));
+    home.run_well(&arguments("rec", "12"));
 }
 
 #[test]
 fn what_several_runs_have_found_is_gathered() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for name in ["a", "b", "c", "d"] {
         let size =
             ["--width", "96", "--height", "72", "--frames", "4", "--discs", "4", "--radius", "3:6", "--seed", name];
         let size = size.map(|word| if word == name { if name == "a" { "1" } else { "2" } } else { word });
-        run_well(home.path(), &[&["synth", "chart", "--out", &format!("nights/{name}")][..], &size].concat());
+        home.run_well(&[&["synth", "chart", "--out", &format!("nights/{name}")][..], &size].concat());
     }
     let search = ["--slopes-u", "-1:1:3", "--octaves", "2"];
-    let colmap = |inputs: &[&str], more: &[&str]| run_well(home.path(), &[&["colmap"], inputs, &search, more].concat());
+    let colmap = |inputs: &[&str], more: &[&str]| home.run_well(&[&["colmap"], inputs, &search, more].concat());
     colmap(&["nights"], &["--out", "whole"]);
     // Two machines, two bursts each; the second one lost a file.
     colmap(&["nights/a", "nights/b"], &["--out", "one"]);
     colmap(&["nights/c", "nights/d"], &["--out", "two"]);
-    fs::write(home.path().join("two/features/d.png.txt"), "0 128\n").expect("altered");
+    home.write("two/features/d.png.txt", "0 128\n");
     let text = colmap(&["nights"], &["--out", "all", "--gather", "one", "--gather", "two"]);
     assert!(text.contains("gathered the features of 3 of 4 bursts"), "{text}");
     assert_eq!(text.matches("from an earlier run").count(), 3, "{text}");
-    same(&home.path().join("all"), &made(&home.path().join("whole")), "gathered");
-    let manifest = fs::read_to_string(home.path().join("all/manifest.json")).expect("a manifest");
-    let manifest: Value = serde_json::from_str(&manifest).expect("JSON");
+    same(&home.join("all"), &made(&home.join("whole")), "gathered");
+    let manifest = home.json("all/manifest.json");
     assert_eq!(manifest["claims"]["settings"]["export"]["pairs"], "all", "{manifest}");
     // A burst that is not taken is named with the reason, on the standard error and in the JSON.
-    let gather = |more: &[&str]| run(home.path(), &[&["colmap", "nights"][..], &search, more].concat());
+    let gather = |more: &[&str]| home.run(&[&["colmap", "nights"][..], &search, more].concat());
     let output = gather(&["--out", "again", "--gather", "one", "--gather", "two"]);
     assert!(
         stderr(&output).contains("note: --gather two: d not taken: its file of features is missing or was altered")
     );
-    fs::create_dir(home.path().join("film")).expect("made");
+    home.make_dir("film");
     let output = gather(&["--out", "other", "--gather", "one", "--gather", "film", "--edge-threshold", "5", "--json"]);
     let words = stderr(&output);
     assert!(
@@ -331,6 +327,5 @@ fn what_several_runs_have_found_is_gathered() {
     assert_eq!(json["gathered"]["left_out"][1]["burst"], "b");
     assert!(json["gathered"]["left_out"][1]["reason"].as_str().is_some_and(|why| why.contains("edge-threshold")));
     assert_eq!(json["gathered"]["strange_folders"], serde_json::json!(["film"]));
-    let words = run_badly(home.path(), &["colmap", "nights", "--out", "none", "--gather", "gone"], 1);
-    assert!(words.contains("gone"), "{words}");
+    says(home.run_badly("colmap nights --out none --gather gone", 1), &["gone"]);
 }

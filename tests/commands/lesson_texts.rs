@@ -1,5 +1,6 @@
 //! Texts of lessons: what is read of them, and how mistakes are said.
 
+use crate::shared::folder;
 use burstscope::teach::glossary::glossary;
 use burstscope::teach::{Layout, Lesson, Part, Workspace, built_in, lessons_at};
 use proptest::prelude::*;
@@ -89,21 +90,21 @@ fn a_mistake_is_said_with_its_line() {
 
 #[test]
 fn a_folder_is_read_in_the_order_of_its_names_or_every_mistake_is_said() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
-    assert!(lessons_at(folder.path()).expect_err("empty")[0].problem.contains("no lesson"));
+    let folder = folder();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("written");
+    assert!(lessons_at(&folder).expect_err("empty")[0].problem.contains("no lesson"));
     write("10.toml", GOOD);
     write("9.toml", GOOD);
     write("notes.txt", "not read");
-    let names: Vec<String> = lessons_at(folder.path()).expect("good").into_iter().map(|l| l.name).collect();
+    let names: Vec<String> = lessons_at(&folder).expect("good").into_iter().map(|l| l.name).collect();
     assert_eq!(names, ["9", "10"]);
     write("bad.toml", "title = 3");
     write("worse.toml", "\n\nabout = [");
-    let errors = lessons_at(folder.path()).expect_err("two are wrong");
+    let errors = lessons_at(&folder).expect_err("two are wrong");
     assert_eq!(errors.len(), 2);
     assert!(errors[0].subject.ends_with("bad.toml, line 1"), "{}", errors[0]);
-    assert_eq!(lessons_at(&folder.path().join("9.toml")).expect("good").len(), 1);
-    assert!(lessons_at(&folder.path().join("none.toml")).is_err());
+    assert_eq!(lessons_at(&folder.join("9.toml")).expect("good").len(), 1);
+    assert!(lessons_at(&folder.join("none.toml")).is_err());
 }
 
 proptest! {

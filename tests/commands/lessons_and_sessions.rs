@@ -219,16 +219,16 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
     let beyond = text.replacen("smoothing_px = 1.5", "smoothing_px = 18446744073709551615", 1);
     assert!(Session::from_toml(&beyond).is_err());
     // The program says the file's name too, and draws nothing.
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let wide = text.replacen("smoothing_px = 1.5", "smoothing_px = 1e9", 1);
-    fs::write(home.path().join("wide.burstscope.toml"), wide).expect("written");
-    let words = run_badly(home.path(), &["render", "wide.burstscope.toml", "--out", "a.png"], 1);
+    home.write("wide.burstscope.toml", wide);
+    let words = home.run_badly("render wide.burstscope.toml --out a.png", 1);
     assert!(words.contains("wide.burstscope.toml") && words.contains("smoothing_px: 1000000000"), "{words}");
 }
 
 #[test]
 fn a_session_of_absurd_numbers_is_drawn() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let text = full_session();
     let mut whole: Value = toml::from_str(&text).expect("TOML");
     // A dataset that is not there would end the drawing.
@@ -244,11 +244,10 @@ fn a_session_of_absurd_numbers_is_drawn() {
                 all = next;
             }
         }
-        fs::write(home.path().join("a.burstscope.toml"), toml::to_string(&all).expect("plain values"))
-            .expect("written");
+        home.write("a.burstscope.toml", toml::to_string(&all).expect("plain values"));
         let arguments =
             ["render", "a.burstscope.toml", "--out", "a.png", "--force", "--size", "900x600", "--timeout", "60"];
-        let child = program(home.path(), &arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
+        let child = home.program(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
         let output = ended(child.expect("it starts"));
         let words = stderr(&output);
         assert!(matches!(output.status.code(), Some(0 | 1)) && !words.contains("panicked"), "{which}: {words}");
@@ -303,8 +302,7 @@ goal = { slope_u = [-1.0, 1.0], features = [1.0, 9.0] }
     }
     assert!(refused > 60 && taken > 40, "{refused} {taken}");
     let counted = lesson.replacen("count = 3", "count = 1000000000", 1);
-    let words = Lesson::read("one.toml", &counted).expect_err("too many").to_string();
-    assert!(words.contains("slopes_u: 1000000000 slopes; at most 4096"), "{words}");
+    says(Lesson::read("one.toml", &counted).expect_err("too many"), &["slopes_u: 1000000000 slopes; at most 4096"]);
 }
 
 proptest! {

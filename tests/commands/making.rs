@@ -9,14 +9,13 @@ fn truth(folder: &Path) -> Truth {
 
 #[test]
 fn a_chart_opens_again_with_the_very_same_values() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let arguments = [
         "synth", "chart", "--out", "chart", "--width", "200", "--height", "150", "--discs", "6", "--radius", "3.6:9",
         "--frames", "4", "--snr", "1.5", "--motion", "2d", "--seed", "11",
     ];
-    let text = run_well(home.path(), &arguments);
-    assert!(text.contains("4 frames of 200×150, 6 features"), "{text}");
-    let folder = home.path().join("chart");
+    says(home.run_well(&arguments), &["4 frames of 200×150, 6 features"]);
+    let folder = home.join("chart");
     assert_eq!(
         names(&folder),
         [".burstscope.json", "frame_000.png", "frame_001.png", "frame_002.png", "frame_003.png", "truth.json"]
@@ -42,47 +41,46 @@ fn a_chart_opens_again_with_the_very_same_values() {
 
 #[test]
 fn a_light_field_opens_again_by_its_names_with_its_truth() {
-    let home = tempfile::tempdir().expect("a folder");
-    let arguments = args(
-        "synth chart --out field --width 240 --height 200 --discs 8 --radius 4:9 --views 5x4 --max-slope 1.5 --snr 2",
-    );
-    run_well(home.path(), &arguments);
-    let folder = home.path().join("field");
+    let home = folder();
+    let arguments =
+        "synth chart --out field --width 240 --height 200 --discs 8 --radius 4:9 --views 5x4 --max-slope 1.5 --snr 2"
+            .words();
+    home.run_well(&arguments);
+    let folder = home.join("field");
     assert!(folder.join("view_04_03.png").is_file() && !folder.join("times.csv").exists());
     let known = truth(&folder);
     assert_eq!((known.frames, known.views[19]), (20, [3.0, 4.0]));
-    let text = run_well(home.path(), &["info", "field"]);
-    assert!(text.contains("views   5 rows × 4 columns"), "{text}");
-    run_well(home.path(), &["detect", "field", "--out", "found"]);
-    let rows = features(&home.path().join("found/field.csv"));
+    says(home.run_well("info field"), &["views   5 rows × 4 columns"]);
+    home.run_well("detect field --out found");
+    let rows = features(&home.join("found/field.csv"));
     let found = known.features.iter().filter(|disc| {
         rows.iter().any(|row| {
             (row[0] - disc.u).hypot(row[1] - disc.v) < 1.0 && (row[4] - disc.slope_u).abs() < 0.1 && row[5] == 0.0
         })
     });
     assert!(found.count() >= 7, "{rows:?}");
-    let badly = run_badly(home.path(), &["synth", "chart", "--views", "5x4", "--drop", "1", "--out", "odd"], 2);
+    let badly = home.run_badly("synth chart --views 5x4 --drop 1 --out odd", 2);
     assert!(badly.contains("views: the views of a light field have no times"), "{badly}");
 }
 
 #[test]
 fn exchanged_frames_and_an_arm_are_made_with_their_truth_and_taken_back() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let synth = |out: &str, more: &str| {
         let line = format!(
             "synth chart --out {out} --width 320 --height 240 --discs 12 --radius 4:10 --frames 7 --max-slope 2 --snr 2 {more}"
         );
-        run_well(home.path(), &args(&line));
-        truth(&home.path().join(out))
+        home.run_well(&line);
+        truth(&home.join(out))
     };
     let known = synth("exchanged", "--exchange 1,4");
     assert_eq!(known.times, [0.0, 4.0, 2.0, 3.0, 1.0, 5.0, 6.0]);
     let found = |more: &str| {
         let line = format!("detect {more} --slopes-u -2.5:2.5:11 --json --force --out found");
-        run_well(home.path(), &args(&line))
+        home.run_well(&line)
     };
     let answers = |folder: &str, known: &Truth| {
-        let rows = features(&home.path().join(format!("found/{folder}.csv")));
+        let rows = features(&home.join(format!("found/{folder}.csv")));
         let is_found = |disc: &&FeatureTruth| {
             rows.iter().any(|row| (row[0] - disc.u).hypot(row[1] - disc.v) < 1.0 && (row[4] - disc.slope_u).abs() < 0.2)
         };
@@ -103,7 +101,7 @@ fn exchanged_frames_and_an_arm_are_made_with_their_truth_and_taken_back() {
     let seen = known.features.len();
     assert!(known.mask_columns == 128 && (1..12).contains(&seen), "{known:?}");
     let at_edge = |folder: &str| {
-        let rows = features(&home.path().join(format!("found/{folder}.csv")));
+        let rows = features(&home.join(format!("found/{folder}.csv")));
         rows.iter().filter(|row| row[0] < 128.0).count()
     };
     found("behind");
@@ -115,17 +113,11 @@ fn exchanged_frames_and_an_arm_are_made_with_their_truth_and_taken_back() {
 
 #[test]
 fn the_features_of_a_chart_are_its_discs() {
-    let home = tempfile::tempdir().expect("a folder");
-    run_well(
-        home.path(),
-        &[
-            "synth", "chart", "--out", "chart", "--width", "320", "--height", "240", "--discs", "12", "--radius",
-            "4:10", "--snr", "2",
-        ],
-    );
-    run_well(home.path(), &["detect", "chart", "--slopes-u", "-3.5:3.5:15", "--out", "found"]);
-    let rows = features(&home.path().join("found/chart.csv"));
-    let known = truth(&home.path().join("chart"));
+    let home = folder();
+    home.run_well("synth chart --out chart --width 320 --height 240 --discs 12 --radius 4:10 --snr 2");
+    home.run_well("detect chart --slopes-u -3.5:3.5:15 --out found");
+    let rows = features(&home.join("found/chart.csv"));
+    let known = truth(&home.join("chart"));
     let found = known.features.iter().filter(|disc| {
         rows.iter().any(|row| {
             (row[0] - disc.u).hypot(row[1] - disc.v) < 1.0
@@ -138,69 +130,57 @@ fn the_features_of_a_chart_are_its_discs() {
 
 #[test]
 fn a_scene_opens_again_and_can_be_noiseless() {
-    let home = tempfile::tempdir().expect("a folder");
-    run_well(
-        home.path(),
-        &[
-            "synth", "scene", "--out", "scene", "--width", "240", "--height", "180", "--frames", "3", "--snr", "inf",
-            "--motion", "2d",
-        ],
-    );
-    let known = truth(&home.path().join("scene"));
+    let home = folder();
+    home.run_well("synth scene --out scene --width 240 --height 180 --frames 3 --snr inf --motion 2d");
+    let known = truth(&home.join("scene"));
     assert_eq!((known.kind, known.layers.len(), known.noise), (TruthKind::Scene, 4, None));
-    let opened = Burst::open(home.path().join("scene")).expect("it opens");
+    let opened = Burst::open(home.join("scene")).expect("it opens");
     assert_eq!((opened.len(), opened.size()), (3, (240, 180)));
 }
 
 #[test]
 fn other_peoples_files_are_left_alone() {
-    let home = tempfile::tempdir().expect("a folder");
-    fs::create_dir(home.path().join("mine")).expect("made");
-    fs::write(home.path().join("mine/thesis.txt"), "precious").expect("written");
+    let home = folder();
+    home.make_dir("mine");
+    home.write("mine/thesis.txt", "precious");
     let arguments =
         ["synth", "chart", "--out", "mine", "--width", "64", "--height", "48", "--discs", "1", "--max-slope", "1"];
-    let error = run_badly(home.path(), &arguments, 1);
-    assert!(error.contains("mine"), "{error}");
-    assert_eq!(names(&home.path().join("mine")), ["thesis.txt"]);
-    let output = run(home.path(), &["synth", "chart", "--out", "x", "--discs", "4000"]);
+    says(home.run_badly(&arguments, 1), &["mine"]);
+    assert_eq!(names(&home.join("mine")), ["thesis.txt"]);
+    let output = home.run("synth chart --out x --discs 4000");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("fewer or smaller discs"), "{}", stderr(&output));
 }
 
 #[test]
 fn noisy_copies_keep_names_and_bursts_apart() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for seed in ["1", "2"] {
         let out = format!("clean/night {seed}");
-        run_well(
-            home.path(),
-            &[
-                "synth", "scene", "--out", &out, "--width", "120", "--height", "90", "--frames", "3", "--snr", "inf",
-                "--seed", seed,
-            ],
-        );
+        home.run_well(&[
+            "synth", "scene", "--out", &out, "--width", "120", "--height", "90", "--frames", "3", "--snr", "inf",
+            "--seed", seed,
+        ]);
     }
-    let copy =
-        |out: &str, more: &[&str]| run_well(home.path(), &[&["synth", "noisy", "clean", "--out", out], more].concat());
-    let text = copy("dark", &["--snr", "0.5", "--seed", "7"]);
-    assert!(text.contains("6 frames of 2 bursts"), "{text}");
-    assert_eq!(names(&home.path().join("dark")), [".burstscope.json", "night 1", "night 2", "noise.json"]);
-    assert_eq!(names(&home.path().join("dark/night 2")), ["frame_000.png", "frame_001.png", "frame_002.png"]);
+    let copy = |out: &str, more: &[&str]| home.run_well(&[&["synth", "noisy", "clean", "--out", out], more].concat());
+    says(copy("dark", &["--snr", "0.5", "--seed", "7"]), &["6 frames of 2 bursts"]);
+    assert_eq!(names(&home.join("dark")), [".burstscope.json", "night 1", "night 2", "noise.json"]);
+    assert_eq!(names(&home.join("dark/night 2")), ["frame_000.png", "frame_001.png", "frame_002.png"]);
     let json: Value = serde_json::from_str(&copy("dark", &["--snr", "0.5", "--seed", "7", "--json"])).expect("JSON");
     assert_eq!(
         (&json["truth"]["snr"], json["truth"]["frames"][3].as_str()),
         (&0.5.into(), Some("night 2/frame_000.png"))
     );
     // A seed makes equal bits for any number of threads; another seed makes others.
-    let frame = |out: &str| fs::read(home.path().join(out).join("night 1/frame_001.png")).expect("a frame");
+    let frame = |out: &str| fs::read(home.join(out).join("night 1/frame_001.png")).expect("a frame");
     copy("again", &["--snr", "0.5", "--seed", "7", "--threads", "3"]);
     copy("other", &["--snr", "0.5", "--seed", "8"]);
     assert!(frame("dark") == frame("again") && frame("dark") != frame("other"));
     // The copies are a dataset, and files of others are not replaced.
-    assert!(run_well(home.path(), &["detect", "dark", "--out", "found"]).contains("2 of 2 bursts done"));
-    assert!(run_badly(home.path(), &["synth", "noisy", "dark", "--out", "clean"], 1).contains("clean"));
+    assert!(home.run_well("detect dark --out found").contains("2 of 2 bursts done"));
+    assert!(home.run_badly("synth noisy dark --out clean", 1).contains("clean"));
     for (option, value) in [("--snr", "0"), ("--bits", "40"), ("--read-noise", "nan")] {
         let wrong = ["synth", "noisy", "clean", "--out", "x", option, value];
-        assert!(run_badly(home.path(), &wrong, 2).contains(&format!("{option}: ")), "{option}");
+        assert!(home.run_badly(&wrong, 2).contains(&format!("{option}: ")), "{option}");
     }
 }

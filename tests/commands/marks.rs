@@ -14,34 +14,34 @@ fn put(home: &Path, files: &[(&str, &str)]) {
 /// Checks that the command is refused with these words, and changes nothing.
 fn refused(home: &Path, arguments: &[&str], words: &[&str]) {
     let before = contents(home);
-    let said = run_badly(home, arguments, 1);
+    let said = home.run_badly(arguments, 1);
     assert!(words.iter().all(|word| said.contains(word)), "{arguments:?}: {said}");
     assert!(contents(home) == before, "{arguments:?} changed something");
 }
 
 #[test]
 fn folders_with_the_names_of_synthetic_bursts_are_not_replaced() {
-    let home = tempfile::tempdir().expect("a folder");
-    put(home.path(), &[("mine/frame_000.png", "mine"), ("mine/frame_001.png", "mine"), ("mine/truth.json", "{}")]);
+    let home = folder();
+    put(&home, &[("mine/frame_000.png", "mine"), ("mine/frame_001.png", "mine"), ("mine/truth.json", "{}")]);
     let way = ["bursts/burst_000/frame_000.png", "gold/burst_000.png", "poses.txt", "lens.toml", "trajectory.json"];
-    way.iter().for_each(|name| put(home.path(), &[(&format!("way/{name}"), "{}")]));
-    put(home.path(), &[("copies/noise.json", "{\"frames\": [\"a.png\"]}"), ("copies/a.png", "mine")]);
-    chart(home.path(), "ours");
+    way.iter().for_each(|name| put(&home, &[(&format!("way/{name}"), "{}")]));
+    put(&home, &[("copies/noise.json", "{\"frames\": [\"a.png\"]}"), ("copies/a.png", "mine")]);
+    chart(&home, "ours");
     for kind in ["chart", "scene"] {
-        refused(home.path(), &["synth", kind, "--out", "mine"], &["did not write there", "mine"]);
+        refused(&home, &["synth", kind, "--out", "mine"], &["did not write there", "mine"]);
     }
-    refused(home.path(), &["synth", "trajectory", "--out", "way"], &["did not write there", "way"]);
-    refused(home.path(), &["synth", "noisy", "ours", "--out", "copies"], &["did not write there", "copies"]);
+    refused(&home, &["synth", "trajectory", "--out", "way"], &["did not write there", "way"]);
+    refused(&home, &["synth", "noisy", "ours", "--out", "copies"], &["did not write there", "copies"]);
     // Nor is one of ours in which somebody replaced a file, added one, or made a folder, or of another kind.
-    let frame = fs::read(home.path().join("ours/frame_002.png")).expect("a frame");
-    put(home.path(), &[("ours/frame_002.png", "mine")]);
-    refused(home.path(), &["synth", "chart", "--out", "ours"], &["changed since", "ours"]);
-    fs::write(home.path().join("ours/frame_002.png"), frame).expect("put back");
-    put(home.path(), &[("ours/frame_009.png", "mine")]);
-    refused(home.path(), &["synth", "chart", "--out", "ours"], &["changed since", "ours"]);
-    fs::remove_file(home.path().join("ours/frame_009.png")).expect("removed");
-    refused(home.path(), &["synth", "trajectory", "--out", "ours"], &["did not write there", "ours"]);
-    chart(home.path(), "ours");
+    let frame = fs::read(home.join("ours/frame_002.png")).expect("a frame");
+    put(&home, &[("ours/frame_002.png", "mine")]);
+    refused(&home, &["synth", "chart", "--out", "ours"], &["changed since", "ours"]);
+    home.write("ours/frame_002.png", frame);
+    put(&home, &[("ours/frame_009.png", "mine")]);
+    refused(&home, &["synth", "chart", "--out", "ours"], &["changed since", "ours"]);
+    fs::remove_file(home.join("ours/frame_009.png")).expect("removed");
+    refused(&home, &["synth", "trajectory", "--out", "ours"], &["did not write there", "ours"]);
+    chart(&home, "ours");
 }
 
 #[cfg(feature = "colmap")]
@@ -49,7 +49,7 @@ fn folders_with_the_names_of_synthetic_bursts_are_not_replaced() {
 fn a_manifest_makes_no_dataset() {
     let home = home_with(&["nights/a", "nights/b"]);
     put(
-        home.path(),
+        &home,
         &[
             ("page/manifest.json", r#"{"name": "my page", "version": "1", "settings": {}}"#),
             ("page/database.db", "mine"),
@@ -59,24 +59,24 @@ fn a_manifest_makes_no_dataset() {
         ],
     );
     let colmap = |out: &'static str| [&["colmap", "nights", "--out", out][..], &SEARCH].concat();
-    refused(home.path(), &colmap("page"), &["this folder holds files", "page"]);
+    refused(&home, &colmap("page"), &["this folder holds files", "page"]);
     let over = [&colmap("params")[..], &["--params", "params/manifest.json"]].concat();
-    refused(home.path(), &over, &["this folder holds files", "params"]);
+    refused(&home, &over, &["this folder holds files", "params"]);
 }
 
 #[cfg(feature = "colmap")]
 #[test]
 fn files_of_others_in_a_dataset_of_ours_stay() {
     let home = home_with(&["nights/a", "nights/b"]);
-    let at = |name: &str| home.path().join(name);
+    let at = |name: &str| home.join(name);
     let colmap = [&["colmap", "nights", "--out", "rec"][..], &SEARCH].concat();
-    run_well(home.path(), &colmap);
+    home.run_well(&colmap);
     let gray = image::GrayImage::from_pixel(8, 8, image::Luma([9]));
     gray.save(at("theirs.png")).expect("written");
     let database = rusqlite::Connection::open(at("theirs.db")).expect("a database");
     database.execute_batch("CREATE TABLE notes (text TEXT);").expect("made");
     drop(database);
-    put(home.path(), &[("theirs.txt", "mine"), ("theirs.json", "{\"version\": \"1\"}")]);
+    put(&home, &[("theirs.txt", "mine"), ("theirs.json", "{\"version\": \"1\"}")]);
     for (theirs, ours) in [
         ("theirs.png", "rec/images/a.png"),
         ("theirs.txt", "rec/features/b.png.txt"),
@@ -86,8 +86,7 @@ fn files_of_others_in_a_dataset_of_ours_stay() {
     ] {
         let whole = fs::read(at(ours)).expect("there");
         fs::copy(at(theirs), at(ours)).expect("copied");
-        let said = run_badly(home.path(), &colmap, 1);
-        assert!(said.contains("did not write this file") && said.contains(ours), "{said}");
+        says(home.run_badly(&colmap, 1), &["did not write this file", ours]);
         assert!(fs::read(at(ours)).expect("there") == fs::read(at(theirs)).expect("there"), "{ours}");
         fs::write(at(ours), whole).expect("put back");
     }
@@ -95,34 +94,33 @@ fn files_of_others_in_a_dataset_of_ours_stay() {
     let database = rusqlite::Connection::open(at("rec/database.db")).expect("a database");
     database.execute_batch("CREATE TABLE added (id INTEGER); PRAGMA user_version = 3120;").expect("added");
     drop(database);
-    run_well(home.path(), &colmap);
+    home.run_well(&colmap);
     // The folders of a dataset do not lead out of it.
     for part in ["images", "features", "records", "records/pairs", "records/pairs/a.png"] {
         let (inside, outside) = (at(&format!("rec/{part}")), at(&format!("elsewhere {}", part.replace('/', " "))));
         fs::rename(&inside, &outside).expect("moved");
         std::os::unix::fs::symlink(&outside, &inside).expect("linked");
         let other = [&colmap[..], &["--edge-threshold", "5"]].concat();
-        refused(home.path(), &other, &["links are not followed", part]);
+        refused(&home, &other, &["links are not followed", part]);
         fs::remove_file(&inside).and_then(|()| fs::rename(&outside, &inside)).expect("put back");
     }
-    run_well(home.path(), &colmap);
+    home.run_well(&colmap);
 }
 
 #[test]
 fn records_make_no_folder_of_figures() {
-    let home = tempfile::tempdir().expect("a folder");
-    put(home.path(), &[("mine/records/pieces/a.json", "{}"), ("mine/fig9.svg", "mine"), ("mine/index.html", "mine")]);
+    let home = folder();
+    put(&home, &[("mine/records/pieces/a.json", "{}"), ("mine/fig9.svg", "mine"), ("mine/index.html", "mine")]);
     let figures = |out: &'static str| ["figures", "--out", out, "--quick", "--no-colmap", "--only", "fig9"];
-    refused(home.path(), &figures("mine"), &["this folder holds files", "mine"]);
-    run_well(home.path(), &figures("ours"));
-    put(home.path(), &[("ours/index.html", "<p>mine</p>")]);
-    let said = run_badly(home.path(), &figures("ours"), 1);
-    assert!(said.contains("did not write this file") && said.contains("index.html"), "{said}");
-    assert_eq!(fs::read_to_string(home.path().join("ours/index.html")).expect("there"), "<p>mine</p>");
-    fs::remove_file(home.path().join("ours/index.html")).expect("removed");
-    fs::rename(home.path().join("ours/records"), home.path().join("elsewhere")).expect("moved");
-    std::os::unix::fs::symlink(home.path().join("elsewhere"), home.path().join("ours/records")).expect("linked");
-    refused(home.path(), &figures("ours"), &["links are not followed", "records"]);
+    refused(&home, &figures("mine"), &["this folder holds files", "mine"]);
+    home.run_well(&figures("ours"));
+    put(&home, &[("ours/index.html", "<p>mine</p>")]);
+    says(home.run_badly(&figures("ours"), 1), &["did not write this file", "index.html"]);
+    assert_eq!(home.text("ours/index.html"), "<p>mine</p>");
+    fs::remove_file(home.join("ours/index.html")).expect("removed");
+    fs::rename(home.join("ours/records"), home.join("elsewhere")).expect("moved");
+    std::os::unix::fs::symlink(home.join("elsewhere"), home.join("ours/records")).expect("linked");
+    refused(&home, &figures("ours"), &["links are not followed", "records"]);
 }
 
 /// A TIFF with the name of the program in the field for it.
@@ -137,14 +135,14 @@ fn tiff_of_others(path: &Path) {
 #[test]
 fn files_that_speak_of_the_program_are_not_its_own() {
     let home = home_with(&["a"]);
-    let at = |name: &str| home.path().join(name);
+    let at = |name: &str| home.join(name);
     tiff_of_others(&at("x.tiff"));
-    fs::create_dir(at("out")).expect("made");
+    home.make_dir("out");
     let mut npz = ndarray_npy::NpzWriter::new(fs::File::create(at("out/a.npz")).expect("made"));
     npz.add_array("features", &ndarray::Array2::<f32>::zeros((3, 11))).expect("written");
     npz.finish().expect("written");
     put(
-        home.path(),
+        &home,
         &[
             ("y-003.png", "a picture of somebody"),
             ("x.gif", "GIF89a, a film about Burstscope "),
@@ -161,15 +159,15 @@ fn files_that_speak_of_the_program_are_not_its_own() {
         (&probe, "x.svg"),
     ];
     for (command, file) in commands {
-        refused(home.path(), command, &["did not write this file", file, "--force"]);
-        run_well(home.path(), &[command, &["--force"]].concat());
-        run_well(home.path(), command);
+        refused(&home, command, &["did not write this file", file, "--force"]);
+        home.run_well(&[command, &["--force"]].concat());
+        home.run_well(command);
         // As a picture that somebody has drawn over, in a program that keeps comments.
         let mut bytes = fs::read(at(file)).expect("read");
         let place = bytes.len() / 3;
         bytes[place] ^= 1;
         fs::write(at(file), bytes).expect("written");
-        refused(home.path(), command, &["not as it is now", file]);
+        refused(&home, command, &["not as it is now", file]);
     }
     assert_eq!(names(&at("out")), ["a.npz"]);
 }
@@ -178,38 +176,38 @@ fn files_that_speak_of_the_program_are_not_its_own() {
 #[test]
 fn an_mp4_replaces_no_film_of_others() {
     let home = home_with(&["a"]);
-    put(home.path(), &[("x.mp4", "\0\0\0\x18ftypisom a film about Burstscope")]);
+    put(&home, &[("x.mp4", "\0\0\0\x18ftypisom a film about Burstscope")]);
     let film = ["film", "a", "--sweep", "frames", "--no-features", "--out", "x.mp4"];
-    refused(home.path(), &film, &["did not write this file", "x.mp4", "--force"]);
-    run_well(home.path(), &[&film[..], &["--force"]].concat());
-    let said = run_well(home.path(), &film);
+    refused(&home, &film, &["did not write this file", "x.mp4", "--force"]);
+    home.run_well(&[&film[..], &["--force"]].concat());
+    let said = home.run_well(&film);
     assert!(said.contains("4 pictures of ") && !said.contains("about"), "{said}");
-    let path = home.path().join("x.mp4");
+    let path = home.join("x.mp4");
     let mut bytes = fs::read(&path).expect("read");
     let place = bytes.len() / 3;
     bytes[place] ^= 1;
     fs::write(path, bytes).expect("written");
-    refused(home.path(), &film, &["not as it is now", "x.mp4"]);
+    refused(&home, &film, &["not as it is now", "x.mp4"]);
 }
 
 #[test]
 fn a_series_of_pictures_leaves_the_file_whose_name_it_goes_by_alone() {
     let home = home_with(&["a"]);
-    put(home.path(), &[("y.png", "a picture of somebody")]);
+    put(&home, &[("y.png", "a picture of somebody")]);
     let film = ["film", "a", "--sweep", "frames", "--no-features", "--out", "y.png"];
-    run_well(home.path(), &[&film[..], &["--force"]].concat());
-    run_well(home.path(), &film);
-    assert!(home.path().join("y-000.png").is_file());
-    assert_eq!(fs::read(home.path().join("y.png")).expect("there"), b"a picture of somebody");
+    home.run_well(&[&film[..], &["--force"]].concat());
+    home.run_well(&film);
+    assert!(home.join("y-000.png").is_file());
+    assert_eq!(fs::read(home.join("y.png")).expect("there"), b"a picture of somebody");
 }
 
 #[test]
 fn the_file_of_a_camera_is_not_written_over() {
     let home = home_with(&["a", "b"]);
     let camera = "model = \"SIMPLE_PINHOLE\"\nwidth = 96\nheight = 72\nparams = [100.0, 48.0, 36.0]\n";
-    put(home.path(), &[("camera.toml", camera)]);
-    fs::create_dir(home.path().join("out")).expect("made");
-    fs::hard_link(home.path().join("camera.toml"), home.path().join("out/a.csv")).expect("linked");
+    put(&home, &[("camera.toml", camera)]);
+    home.make_dir("out");
+    fs::hard_link(home.join("camera.toml"), home.join("out/a.csv")).expect("linked");
     let matching = ["match", "a", "b", "--camera", "camera.toml", "--out", "out", "--force"];
-    refused(home.path(), &[&matching[..], &SEARCH].concat(), &["files that were opened are never written to"]);
+    refused(&home, &[&matching[..], &SEARCH].concat(), &["files that were opened are never written to"]);
 }

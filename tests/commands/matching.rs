@@ -12,10 +12,7 @@ use burstscope::{Detection, detect};
 
 /// Makes two noisy bursts of one scene: equal layers, other noise, and the second one begins three frames later.
 fn two_bursts(home: &Path) {
-    run_well(
-        home,
-        &args("synth scene --out film --width 320 --height 240 --frames 12 --max-slope 1.5 --snr 3 --seed 4"),
-    );
+    home.run_well("synth scene --out film --width 320 --height 240 --frames 12 --max-slope 1.5 --snr 3 --seed 4");
     for (name, first) in [("a", 0), ("b", 5)] {
         fs::create_dir(home.join(name)).expect("made");
         for t in first..first + 7 {
@@ -27,19 +24,18 @@ fn two_bursts(home: &Path) {
 
 #[test]
 fn two_bursts_are_matched_verified_and_drawn() {
-    let home = tempfile::tempdir().expect("a folder");
-    two_bursts(home.path());
+    let home = folder();
+    two_bursts(&home);
     let search = ["--slopes-u", "-2:2:9", "--threads", "2"];
-    let text = run_well(home.path(), &[&["match", "a", "b", "--out", "m"], &search[..]].concat());
-    assert_eq!(names(&home.path().join("m")), ["a.csv", "a_b.matches.csv", "a_b.matches.png", "b.csv"]);
+    let text = home.run_well(&[&["match", "a", "b", "--out", "m"], &search[..]].concat());
+    assert_eq!(names(&home.join("m")), ["a.csv", "a_b.matches.csv", "a_b.matches.png", "b.csv"]);
     assert!(text.contains("inliers") && text.contains("match score"), "{text}");
 
-    let json = run_json(
-        home.path(),
+    let json = home.run_json(
         &[&["match", "a", "b", "--out", "n", "--json", "--images", "merged", "--threads", "1"], &search[..2]].concat(),
     );
     let count = |key: &str| json[key].as_u64().unwrap_or_else(|| panic!("{key}")) as usize;
-    let out = |file: &str| home.path().join("n").join(file);
+    let out = |file: &str| home.join("n").join(file);
     let (a, b) = (features(&out("a.csv")), features(&out("b.csv")));
     assert_eq!((count("keypoints_a"), count("keypoints_b")), (a.len(), b.len()));
     assert_eq!((json["command"].as_str(), json["a"]["features"].as_u64()), (Some("match"), Some(a.len() as u64)));
@@ -91,17 +87,17 @@ fn two_bursts_are_matched_verified_and_drawn() {
     assert_eq!(picture.width(), 2138, "181 mm with 300 pixels an inch");
     assert!(picture.pixels().any(|p| p.0 == burstscope::export::MatchKind::Inlier.color()), "the legend's line");
     // The number of threads changes nothing; --images changes the picture.
-    let read = |folder: &str, file: &str| fs::read(home.path().join(folder).join(file)).expect("a file");
+    let read = |folder: &str, file: &str| fs::read(home.join(folder).join(file)).expect("a file");
     assert_eq!(read("m", "a_b.matches.csv"), read("n", "a_b.matches.csv"));
     assert_ne!(read("m", "a_b.matches.png"), read("n", "a_b.matches.png"));
-    figure_as_vectors(home.path(), &rows);
+    figure_as_vectors(&home, &rows);
 }
 
 /// As SVG the figure has the names, the matches that were asked for, of the smallest distance, and their numbers.
 fn figure_as_vectors(home: &Path, rows: &[Vec<f64>]) {
     let vectors = ["--picture", "svg", "--drawn", "40", "--width", "88", "--slopes-u", "-2:2:9"];
-    run_well(home, &[&["match", "a", "b", "--out", "v"], &vectors[..]].concat());
-    let svg = fs::read_to_string(home.join("v/a_b.matches.svg")).expect("a file");
+    home.run_well(&[&["match", "a", "b", "--out", "v"], &vectors[..]].concat());
+    let svg = home.text("v/a_b.matches.svg");
     let mut nearest: Vec<&Vec<f64>> = rows.iter().collect();
     nearest.sort_by(|a, b| a[6].total_cmp(&b[6]));
     let inliers = nearest[..40].iter().filter(|row| row[9] == 1.0).count();
@@ -115,19 +111,16 @@ fn figure_as_vectors(home: &Path, rows: &[Vec<f64>]) {
 
 #[test]
 fn matches_may_stay_unverified_and_wrong_use_is_explained() {
-    let home = tempfile::tempdir().expect("a folder");
-    let json = run_json(
-        home.path(),
-        &["match", "demo", "demo", "--out", "m", "--geometry", "none", "--json", "--method", "sift"],
-    );
+    let home = folder();
+    let json = home.run_json("match demo demo --out m --geometry none --json --method sift");
     assert!(json["inliers"].is_null() && json["match_score"].is_null() && json["model"].is_null());
     // A burst matched with itself: nearly every feature matches itself, except those that look alike.
     assert!(json["match_ratio"].as_f64().is_some_and(|x| x > 0.9), "{}", json["match_ratio"]);
     assert_eq!(
-        names(&home.path().join("m")),
+        names(&home.join("m")),
         ["demo.csv", "demo_2.csv", "demo_demo_2.matches.csv", "demo_demo_2.matches.png"]
     );
-    let text = fs::read_to_string(home.path().join("m/demo_demo_2.matches.csv")).expect("a file");
+    let text = home.text("m/demo_demo_2.matches.csv");
     // Nothing was verified, so that there is no error, no inlier and no alignment, and no word for it.
     let is_empty = |line: &str| [8, 9, 10, 11, 12, 20].iter().all(|k| line.split(',').nth(*k) == Some(""));
     assert!(text.lines().skip(1).all(is_empty) && !text.contains("nan") && !text.contains("inf,"));
@@ -142,18 +135,17 @@ fn matches_may_stay_unverified_and_wrong_use_is_explained() {
         (&["merge", "demo", "--out", "x.png"], 2, ".tiff"),
     ];
     for (arguments, code, words) in cases {
-        let error = run_badly(home.path(), arguments, code);
-        assert!(error.contains(words), "{arguments:?}: {error}");
+        says(home.run_badly(arguments, code), &[words]);
     }
 }
 
 #[test]
 fn every_option_of_matching_reaches_its_parameter() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let camera = "SIMPLE_PINHOLE,480,360,500,240,180";
     let matched = |options: &str| -> MatchParams {
         let line = format!("match demo demo-later --method sift --out m --json --camera {camera} {options}");
-        let json = run_json(home.path(), &args(&line));
+        let json = home.run_json(&line);
         serde_json::from_value(json["matching"].clone()).expect("parameters")
     };
     let got = matched(
@@ -178,29 +170,27 @@ fn every_option_of_matching_reaches_its_parameter() {
     assert_eq!(matched("").geometry, Geometry::Essential, "with a camera and no geometry");
     // The same from a file, whose table other commands leave alone, and under what is given.
     let table = toml::to_string(&expected).expect("TOML").replace("[camera]", "[matching.camera]");
-    let write = |text: &str| fs::write(home.path().join("p.toml"), text).expect("written");
+    let write = |text: &str| home.write("p.toml", text);
     write(&format!("levels = 3\n[matching]\n{table}"));
     assert_eq!(matched("--params p.toml"), expected);
     assert_eq!(matched("--params p.toml --ratio 0.6"), MatchParams { ratio: 0.6, ..expected });
     write("levels = 3\n[matching]\ngeometry = \"fundamental\"\n");
     assert_eq!(matched("--params p.toml").geometry, Geometry::Fundamental, "it is named");
-    run_well(home.path(), &["probe", "demo", "--at", "9,9", "--params", "p.toml"]);
+    home.run_well("probe demo --at 9,9 --params p.toml");
     write("[matching]\nratoi = 0.7\n");
-    let error = run_badly(home.path(), &["match", "demo", "demo-later", "--out", "o", "--params", "p.toml"], 2);
-    assert!(error.contains("line 2") && error.contains("ratoi"), "{error}");
+    says(home.run_badly("match demo demo-later --out o --params p.toml", 2), &["line 2", "ratoi"]);
 }
 
 #[test]
 fn the_merged_image_is_what_the_method_merge_searches() {
-    let home = tempfile::tempdir().expect("a folder");
-    let json = run_json(home.path(), &["merge", "demo", "--out", "merged.tiff", "--json", "--frames", "1..10"]);
+    let home = folder();
+    let json = home.run_json("merge demo --out merged.tiff --json --frames 1..10");
     assert_eq!((&json["frames_used"], &json["reference"]), (&serde_json::json!([1, 10]), &"frame 5".into()));
     let ratio = json["merged_noise"].as_f64().expect("a number") / json["frame_noise"].as_f64().expect("a number");
     assert!(ratio < 0.5, "{ratio}");
-    run_well(home.path(), &["detect", "merged.tiff", "--method", "sift", "--out", "image", "--quiet"]);
-    run_well(home.path(), &["detect", "demo", "--method", "merge", "--frames", "1..10", "--out", "burst", "--quiet"]);
-    let (image, burst) =
-        (features(&home.path().join("image/merged.csv")), features(&home.path().join("burst/demo.csv")));
+    home.run_well("detect merged.tiff --method sift --out image --quiet");
+    home.run_well("detect demo --method merge --frames 1..10 --out burst --quiet");
+    let (image, burst) = (features(&home.join("image/merged.csv")), features(&home.join("burst/demo.csv")));
     assert!(image.len() > 50, "{}", image.len());
     assert_eq!(image.len(), burst.len());
     for (a, b) in image.iter().zip(&burst) {
@@ -214,20 +204,21 @@ fn the_merged_image_is_what_the_method_merge_searches() {
 
 #[test]
 fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
-    let home = tempfile::tempdir().expect("a folder");
-    let scene = args("synth scene --out film --width 240 --height 180 --frames 14 --max-slope 1.5 --snr 1.2 --seed 4");
-    run_well(home.path(), &scene);
+    let home = folder();
+    let scene =
+        "synth scene --out film --width 240 --height 180 --frames 14 --max-slope 1.5 --snr 1.2 --seed 4".words();
+    home.run_well(&scene);
     for (name, first) in [("a", 0), ("b", 4), ("c", 7)] {
-        let folder = home.path().join("nights").join(name);
+        let folder = home.join("nights").join(name);
         fs::create_dir_all(&folder).expect("made");
         for t in first..first + 7 {
             let frame = format!("frame_{t:03}.png");
-            fs::copy(home.path().join("film").join(&frame), folder.join(&frame)).expect("copied");
+            fs::copy(home.join("film").join(&frame), folder.join(&frame)).expect("copied");
         }
     }
     let monitor = Monitor::default();
     let params = DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 9), ..DetectorParams::default() };
-    let source = DatasetSource::of_bursts(vec![home.path().join("nights")]);
+    let source = DatasetSource::of_bursts(vec![home.join("nights")]);
     let files = source.bursts(&OpenOptions::default()).expect("three bursts");
     let bursts: Vec<Burst> = files.iter().map(|file| Burst::open(&file.paths[0]).expect("opened")).collect();
     let found: Vec<Detection> =
@@ -266,13 +257,13 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
         // `colmap`, whose solution is of all pairs together: of two bursts it is that of the pair.
         let cameras = BurstCameras::default();
         let job = ColmapJob { features: job.clone(), matching: matching.clone(), pairs: PairSelection::All, cameras };
-        let mut store = FeatureStore::open(&home.path().join("two"), &job.features).expect("a folder");
+        let mut store = FeatureStore::open(&home.join("two"), &job.features).expect("a folder");
         let report = export_colmap(&mut store, &files[..2], &job, &mut |_| {}, &monitor).expect("exported");
         // Files do not say which check a feature without a match failed.
         let in_files = |counts: &MatchCounts| MatchCounts { not_mutual: None, ..*counts };
         assert_eq!(report.pairs[0].counts, in_files(&expected[0]), "colmap of two, {matching:?}");
         assert_eq!(report.moved.is_some(), matching.align);
-        let mut store = FeatureStore::open(&home.path().join("three"), &job.features).expect("a folder");
+        let mut store = FeatureStore::open(&home.join("three"), &job.features).expect("a folder");
         let report = export_colmap(&mut store, &files, &job, &mut |_| {}, &monitor).expect("exported");
         let counts: Vec<MatchCounts> = report.pairs.iter().map(|pair| pair.counts).collect();
         if !matching.align {
@@ -280,8 +271,7 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
         }
         // From features in memory, as Python has them, it is the same.
         let in_memory = [of(0), of(1), of(2)];
-        let again =
-            export_detections(&home.path().join(format!("memory{number}")), &in_memory, &job, &monitor).expect("done");
+        let again = export_detections(&home.join(format!("memory{number}")), &in_memory, &job, &monitor).expect("done");
         assert_eq!((again.pairs, again.moved), (report.pairs, report.moved), "{matching:?}");
         // The window's dataset, from the features in that folder.
         let mut of_window = vec![MatchCounts::default(); pairs.len()];
@@ -306,9 +296,8 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
     );
     // The commands say so too.
     let search = ["--slopes-u", "-2:2:9", "--json"];
-    let told =
-        run_json(home.path(), &[&["evaluate", "matches", "nights", "--methods", "buff-1d"], &search[..]].concat());
-    let pair = run_json(home.path(), &[&["match", "nights/a", "nights/b", "--out", "m"], &search[..]].concat());
+    let told = home.run_json(&[&["evaluate", "matches", "nights", "--methods", "buff-1d"], &search[..]].concat());
+    let pair = home.run_json(&[&["match", "nights/a", "nights/b", "--out", "m"], &search[..]].concat());
     for key in ["keypoints_a", "putative", "inliers"] {
         assert_eq!(told["methods"][0]["by_pair"][0][key], pair[key], "{key}");
     }
@@ -320,17 +309,17 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
 /// Every method sees the same noise of a burst, also where its pictures are opened again: that of written copies.
 #[test]
 fn noise_that_is_added_is_that_of_written_copies_for_each_method() {
-    let home = tempfile::tempdir().expect("a folder");
-    two_bursts(home.path());
-    fs::create_dir(home.path().join("night")).expect("made");
+    let home = folder();
+    two_bursts(&home);
+    home.make_dir("night");
     for name in ["a", "b"] {
-        fs::rename(home.path().join(name), home.path().join("night").join(name)).expect("moved");
+        fs::rename(home.join(name), home.join("night").join(name)).expect("moved");
     }
     let noise = ["--snr", "2"];
-    run_well(home.path(), &[&["synth", "noisy", "night", "--out", "dark", "--seed", "3"], &noise[..]].concat());
+    home.run_well(&[&["synth", "noisy", "night", "--out", "dark", "--seed", "3"], &noise[..]].concat());
     let counted = |methods: &str, more: &[&str]| {
         let line = [&["evaluate", "matches", "--slopes-u", "-2:2:9", "--json", "--methods", methods], more].concat();
-        let text = run_well(home.path(), &line);
+        let text = home.run_well(&line);
         serde_json::from_str::<Value>(&text).expect("one JSON document")["methods"].clone()
     };
     let added = [&["night", "--noise-seed", "3"], &noise[..]].concat();

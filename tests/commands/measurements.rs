@@ -86,9 +86,9 @@ fn output(home: &Path, command: &str) -> Value {
     let mut words: Vec<&str> = command.split_whitespace().collect();
     let Some(file) = file else {
         words.extend(["--json", "--quiet"]);
-        return run_json(home, &words);
+        return home.run_json(&words);
     };
-    run_well(home, &words);
+    home.run_well(&words);
     let text = fs::read_to_string(home.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
@@ -103,10 +103,10 @@ fn output(home: &Path, command: &str) -> Value {
 /// Runs the commands of a result, and stores the values that its cells name.
 fn measure(name: &str) {
     let mut result: Value = read(&stored(name));
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     #[cfg(unix)]
-    std::os::unix::fs::symlink(shared("data"), home.path().join("data")).expect("linked");
-    let outputs: Vec<Value> = texts(&result["commands"]).map(|command| output(home.path(), command)).collect();
+    std::os::unix::fs::symlink(shared("data"), home.join("data")).expect("linked");
+    let outputs: Vec<Value> = texts(&result["commands"]).map(|command| output(&home, command)).collect();
     let mut values = Map::new();
     let cells = result["rows"].as_array().expect("rows").iter().flat_map(texts);
     for (_, place, _) in cells.flat_map(named_values) {

@@ -11,28 +11,28 @@ fn json(text: &str) -> Value {
 
 #[test]
 fn charts_give_a_table_and_a_figure() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let few = ["--snr", "0.8,2", "--methods", "sift-frame,buff-1d", "--plot", "figures/roc.svg"];
     let arguments = [&["evaluate", "chart"], &SMALL[..], &few].concat();
-    let table = run_well(home.path(), &arguments);
+    let table = home.run_well(&arguments);
     for words in
         ["8 discs of radius 3.6 to 19 px", "10 % of the detections are false", "BuFF 1D", "wrote figures/roc.svg"]
     {
         assert!(table.contains(words), "{words}: {table}");
     }
     assert!(!table.contains("BuFF 2D"));
-    let svg = fs::read_to_string(home.path().join("figures/roc.svg")).expect("a figure");
+    let svg = home.text("figures/roc.svg");
     assert!(svg.contains("SNR 0.8") && svg.contains("SNR 2"));
-    assert_eq!(names(&home.path().join("figures")), ["roc.svg"]);
+    assert_eq!(names(&home.join("figures")), ["roc.svg"]);
 }
 
 #[test]
 fn json_has_everything_and_does_not_depend_on_the_threads() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let with = |threads: &str| {
         let few = ["--snr", "2", "--slopes-u", "-1:1:5", "--seed", "7", "--json", "--threads", threads];
         let methods = ["--methods", "sift-mean,buff-1d,buff-1d", "--radius", "4:12", "--radius-law", "log"];
-        run_well(home.path(), &[&["evaluate", "chart"], &SMALL[..], &few, &methods].concat())
+        home.run_well(&[&["evaluate", "chart"], &SMALL[..], &few, &methods].concat())
     };
     let text = with("1");
     assert_eq!(text, with("3"));
@@ -50,28 +50,28 @@ fn json_has_everything_and_does_not_depend_on_the_threads() {
 
 #[test]
 fn accuracy_and_noise_give_tables_and_json() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let accuracy = [&["evaluate", "accuracy", "--snr", "inf"], &SMALL[..], &["--slopes-u", "-1:1:5"]].concat();
-    let table = run_well(home.path(), &accuracy);
+    let table = home.run_well(&accuracy);
     assert!(table.contains("slope u, px/frame") && table.contains("discs beyond the range"), "{table}");
     assert!(table.contains("Crowded charts") && table.contains("stand apart in all frames"), "{table}");
-    let alone = run_well(home.path(), &[&accuracy[..], &["--apart-discs", "0"]].concat());
+    let alone = home.run_well(&[&accuracy[..], &["--apart-discs", "0"]].concat());
     assert!(!alone.contains("stand apart in all frames"), "{alone}");
-    let report = json(&run_well(home.path(), &[&accuracy[..], &["--json"]].concat()));
+    let report = json(&home.run_well(&[&accuracy[..], &["--json"]].concat()));
     assert_eq!(report["rows"][0]["within"]["discs"], 8);
     assert!(report["rows"][0]["u"]["median_magnitude"].as_f64().expect("a number") < 0.5);
     assert_eq!(report["apart"]["chart"]["discs"], 2);
     assert_eq!(report["apart"]["rows"][0]["apart"], report["apart"]["rows"][0]["u"]["count"]);
     // Where nothing is found there is no error to tell.
-    let blind = run_well(home.path(), &[&accuracy[..], &["--peak-threshold", "9"]].concat());
+    let blind = home.run_well(&[&accuracy[..], &["--peak-threshold", "9"]].concat());
     let place = blind.lines().find(|line| line.contains("place u, px")).expect("a line");
     assert_eq!(place.split_whitespace().skip(3).collect::<Vec<_>>(), ["–", "–", "–"], "{blind}");
     assert!(!blind.contains("NaN"), "{blind}");
 
     let noise = ["evaluate", "noise", "--megapixels", "0.05", "--width", "200", "--height", "150", "--sigma", "0.02"];
-    let table = run_well(home.path(), &[&noise[..], &["--bits", "none,12", "--noise-gate", "3"]].concat());
+    let table = home.run_well(&[&noise[..], &["--bits", "none,12", "--noise-gate", "3"]].concat());
     assert!(table.contains("BuFF 2D, 49 slopes") && table.contains("3.00 σ"), "{table}");
-    let sift = run_well(home.path(), &[&noise[..], &["--method", "sift", "--json"]].concat());
+    let sift = home.run_well(&[&noise[..], &["--method", "sift", "--json"]].concat());
     let report = json(&sift);
     assert_eq!((report["bursts"].as_u64(), report["rows"].as_array().map(Vec::len)), (Some(2), Some(37)));
     assert_eq!(report["rows"][0]["searches"][0]["slopes"], 1);
@@ -79,39 +79,37 @@ fn accuracy_and_noise_give_tables_and_json() {
 
 #[test]
 fn frames_are_counted_on_charts_and_in_a_burst() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let few = ["--snr", "2", "--methods", "sift-frame,buff-1d", "--frame-counts", "4,2", "--plot", "charts.svg"];
     let charts = [&["evaluate", "frames"], &SMALL[..], &few].concat();
-    let table = run_well(home.path(), &charts);
+    let table = home.run_well(&charts);
     for words in ["in 2 to 4 frames of 260×200", "one chart for each number of frames", "BuFF 1D", "wrote charts.svg"]
     {
         assert!(table.contains(words), "{words}: {table}");
     }
-    let report = json(&run_well(home.path(), &[&charts[..], &["--json"]].concat()));
+    let report = json(&home.run_well(&[&charts[..], &["--json"]].concat()));
     let counts: Vec<_> = report["rows"].as_array().expect("rows").iter().map(|row| row["frames"].as_u64()).collect();
     assert_eq!((report["command"].as_str(), counts), (Some("evaluate frames"), vec![Some(2), Some(4)]));
-    let svg = fs::read_to_string(home.path().join("charts.svg")).expect("a figure");
+    let svg = home.text("charts.svg");
     assert!(svg.contains("number of frames") && svg.contains("SIFT, one frame"), "{svg}");
 
     let made =
         ["synth", "chart", "--width", "200", "--height", "150", "--discs", "6", "--max-slope", "1", "--frames", "5"];
-    run_well(home.path(), &[&made[..], &["--snr", "2", "--out", "night"]].concat());
+    home.run_well(&[&made[..], &["--snr", "2", "--out", "night"]].concat());
     let slopes = ["--slopes-u", "-1:1:5", "--plot", "burst.svg"];
     let burst = [&["evaluate", "frames", "night", "night"], &slopes[..]].concat();
-    let table = run_well(home.path(), &burst);
-    assert!(table.contains("confirmed") && table.contains("discs known: 6") && table.contains("inliers"), "{table}");
-    let report = json(&run_well(home.path(), &[&burst[..], &["--json"]].concat()));
+    says(home.run_well(&burst), &["confirmed", "discs known: 6", "inliers"]);
+    let report = json(&home.run_well(&[&burst[..], &["--json"]].concat()));
     let rows = report["rows"].as_array().expect("rows");
     assert_eq!(rows.len(), 4, "2, 3, 4 and 5 frames");
     assert_eq!(rows[3]["confirmed"], report["features"]);
     assert!(rows[3]["discs_found"].as_u64() >= Some(5), "{report}");
-    let svg = fs::read_to_string(home.path().join("burst.svg")).expect("a figure");
-    assert!(svg.contains("confirmed by all frames") && svg.contains("Matches with as many frames"), "{svg}");
+    says(home.text("burst.svg"), &["confirmed by all frames", "Matches with as many frames"]);
 }
 
 #[test]
 fn wrong_use_says_what_would_be_right() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for (arguments, words) in [
         (vec!["evaluate"], "accuracy"),
         (vec!["evaluate", "chart", "--plot", "roc.gif"], "end the name in .pdf, .svg, .png, .csv or .tex"),
@@ -138,17 +136,16 @@ fn wrong_use_says_what_would_be_right() {
         (vec!["evaluate", "noise", "--bits", "many"], "neither 'none' nor a number of bits"),
         (vec!["evaluate", "noise", "--megapixels", "0"], "--megapixels: 0"),
     ] {
-        let error = run_badly(home.path(), &arguments, 2);
-        assert!(error.contains(words), "{arguments:?}: {error}");
+        says(home.run_badly(&arguments, 2), &[words]);
     }
-    assert!(names(home.path()).is_empty());
+    assert!(names(&home).is_empty());
 }
 
 #[test]
 fn advice_is_counted_against_the_truth() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let line = ["evaluate", "advice", "--snr", "2", "--seeds", "1"];
-    let report = json(&run_well(home.path(), &[&line[..], &["--json"]].concat()));
+    let report = json(&home.run_well(&[&line[..], &["--json"]].concat()));
     let said = report["said"].as_object().expect("a table").values();
     let counts = said.flat_map(|truths| truths.as_object().expect("counts").values());
     let bursts = report["bursts"].as_array().expect("bursts");
@@ -156,7 +153,6 @@ fn advice_is_counted_against_the_truth() {
     let narrow = bursts.iter().find(|burst| burst["kind"] == "narrow").expect("a burst of each kind");
     let sentence = narrow["sentence"].as_str().expect("words");
     assert!(narrow["said"] == "range" && sentence.contains("beyond the range"), "{narrow}");
-    let table = run_well(home.path(), &[&line[..], &["--threads", "1"]].concat());
-    assert!(table.contains("said \\ true") && table.contains("exchanged"), "{table}");
-    assert!(run_badly(home.path(), &["evaluate", "advice", "--seeds", "0"], 2).contains("--seeds"));
+    says(home.run_well(&[&line[..], &["--threads", "1"]].concat()), &["said \\ true", "exchanged"]);
+    assert!(home.run_badly("evaluate advice --seeds 0", 2).contains("--seeds"));
 }

@@ -17,12 +17,12 @@ fn write_infinite_stack(path: &Path, frames: usize, (width, height): (usize, usi
 
 #[test]
 fn a_small_budget_is_kept_with_fewer_threads_and_the_same_features() {
-    let home = tempfile::tempdir().expect("a folder");
-    run_well(home.path(), &["synth", "chart", "--out", "a", "--quiet"]);
+    let home = folder();
+    home.run_well("synth chart --out a --quiet");
     let detect = |out: &str, more: &[&str]| {
         let search = ["detect", "a", "--slopes-u", "-1:1:5", "--out", out];
-        run_well(home.path(), &[&search[..], more].concat());
-        fs::read_to_string(home.path().join(out).join("a.csv")).expect("features")
+        home.run_well(&[&search[..], more].concat());
+        fs::read_to_string(home.join(out).join("a.csv")).expect("features")
     };
     let whole = detect("whole", &[]);
     // Frames and three slopes take about 47 MB, and each thread's window of slopes 6 MB.
@@ -33,15 +33,15 @@ fn a_small_budget_is_kept_with_fewer_threads_and_the_same_features() {
 
 #[test]
 fn a_search_beyond_the_budget_is_refused_before_a_pixel_is_read() {
-    let home = tempfile::tempdir().expect("a folder");
-    write_infinite_stack(&home.path().join("large.npy"), 10, (2000, 1000));
+    let home = folder();
+    write_infinite_stack(&home.join("large.npy"), 10, (2000, 1000));
     let found = ["detect", "large.npy", "--out", "found"];
-    let opened = run_badly(home.path(), &found, 1);
+    let opened = home.run_badly(&found, 1);
     assert!(opened.contains("large.npy") && !opened.contains("--memory"), "{opened}");
     for (search, code) in [(&found[..], 1), (&["probe", "large.npy", "--at", "9,9"], 2), (&["slopes", "large.npy"], 2)]
     {
         for slopes in [&[][..], &["--slopes-u", "-1:1:3"]] {
-            let words = run_badly(home.path(), &[search, slopes, &["--memory", "50M"]].concat(), code);
+            let words = home.run_badly(&[search, slopes, &["--memory", "50M"]].concat(), code);
             assert!(words.contains("--memory") && words.contains("10 frames of 2000×1000"), "{words}");
         }
     }

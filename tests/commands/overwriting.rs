@@ -9,8 +9,7 @@ const SMALL: [&str; 3] = ["--size", "640x480", "--no-detect"];
 fn refused_always(home: &Path, arguments: &[&str], word: &str) {
     let before = contents(home);
     for more in [&[][..], &["--force"]] {
-        let words = run_badly(home, &[arguments, more].concat(), 1);
-        assert!(words.contains(word), "{arguments:?}: {words}");
+        says(home.run_badly(&[arguments, more].concat(), 1), &[word]);
     }
     assert!(contents(home) == before, "{arguments:?} changed something");
 }
@@ -18,9 +17,9 @@ fn refused_always(home: &Path, arguments: &[&str], word: &str) {
 #[test]
 fn no_command_writes_over_what_it_opens() {
     let home = home_with(&["pb"]);
-    let at = |name: &str| home.path().join(name);
+    let at = |name: &str| home.join(name);
     // Frames with the names of outputs.
-    fs::create_dir(at("tb")).expect("made");
+    home.make_dir("tb");
     for t in 0..4 {
         let frame = image::open(at(&format!("pb/frame_00{t}.png"))).expect("a frame");
         frame.save(at(&format!("tb/f{t}.tiff"))).expect("written");
@@ -28,97 +27,96 @@ fn no_command_writes_over_what_it_opens() {
     fs::hard_link(at("tb/f1.tiff"), at("other_name.tiff")).expect("linked");
     std::os::unix::fs::symlink(at("tb"), at("also_tb")).expect("linked");
     fs::copy(at("tb/f0.tiff"), at("bias.tiff")).expect("copied");
-    run_well(home.path(), &["stack", "tb", "--slope", "0,0", "--out", "ours.tiff"]);
+    home.run_well("stack tb --slope 0,0 --out ours.tiff");
     let opened = "files that were opened are never written to";
     for out in ["tb/f0.tiff", "./tb/../tb/f3.tiff", "also_tb/f2.tiff", "other_name.tiff"] {
-        refused_always(home.path(), &["stack", "tb", "--slope", "0,0", "--out", out], opened);
-        refused_always(home.path(), &["merge", "tb", "--out", out], opened);
+        refused_always(&home, &["stack", "tb", "--slope", "0,0", "--out", out], opened);
+        refused_always(&home, &["merge", "tb", "--out", out], opened);
     }
     let folder = ["stack", "tb", "--slope", "0,0", "--out", "folder.tiff"];
-    fs::create_dir(at("folder.tiff")).expect("made");
-    refused_always(home.path(), &folder, "this is a folder or a device, not a file");
+    home.make_dir("folder.tiff");
+    refused_always(&home, &folder, "this is a folder or a device, not a file");
     // Files one by one and through a link, files that Burstscope wrote itself, and calibration frames.
     std::os::unix::fs::symlink(at("tb/f0.tiff"), at("to_f0.tiff")).expect("linked");
     for out in ["to_f0.tiff", "tb/f0.tiff"] {
-        refused_always(home.path(), &["merge", "to_f0.tiff", "tb/f1.tiff", "--out", out], opened);
+        refused_always(&home, &["merge", "to_f0.tiff", "tb/f1.tiff", "--out", out], opened);
     }
-    refused_always(home.path(), &["merge", "tb/f0.tiff", "tb/f1.tiff", "--out", "tb/f1.tiff"], opened);
-    refused_always(home.path(), &["stack", "ours.tiff", "--slope", "0,0", "--out", "ours.tiff"], opened);
-    refused_always(home.path(), &["merge", "tb", "--bias", "bias.tiff", "--out", "bias.tiff"], opened);
-    refused_always(home.path(), &["merge", "tb", "--flat", "tb", "--out", "tb/f3.tiff"], opened);
+    refused_always(&home, &["merge", "tb/f0.tiff", "tb/f1.tiff", "--out", "tb/f1.tiff"], opened);
+    refused_always(&home, &["stack", "ours.tiff", "--slope", "0,0", "--out", "ours.tiff"], opened);
+    refused_always(&home, &["merge", "tb", "--bias", "bias.tiff", "--out", "bias.tiff"], opened);
+    refused_always(&home, &["merge", "tb", "--flat", "tb", "--out", "tb/f3.tiff"], opened);
     let render = |input: &'static str, out: &'static str| [&["render", input, "--out", out][..], &SMALL].concat();
-    refused_always(home.path(), &render("pb", "pb/frame_000.png"), opened);
-    refused_always(home.path(), &[&render("pb", "bias.tiff")[..], &["--bias", "bias.tiff"]].concat(), opened);
+    refused_always(&home, &render("pb", "pb/frame_000.png"), opened);
+    refused_always(&home, &[&render("pb", "bias.tiff")[..], &["--bias", "bias.tiff"]].concat(), opened);
     // Parameters and sessions are opened too, whatever their names are.
-    fs::write(at("p.tiff"), "levels = 4\n").expect("written");
-    fs::write(at("p.svg"), "levels = 4\n").expect("written");
-    refused_always(home.path(), &["stack", "tb", "--slope", "0,0", "--params", "p.tiff", "--out", "p.tiff"], opened);
+    home.write("p.tiff", "levels = 4\n");
+    home.write("p.svg", "levels = 4\n");
+    refused_always(&home, &["stack", "tb", "--slope", "0,0", "--params", "p.tiff", "--out", "p.tiff"], opened);
     for command in [&["probe", "tb", "--at", "40,40"][..], &["slopes", "tb"], &["evaluate", "frames", "tb"]] {
-        refused_always(home.path(), &[command, &["--params", "p.svg", "--plot", "p.svg"]].concat(), opened);
+        refused_always(&home, &[command, &["--params", "p.svg", "--plot", "p.svg"]].concat(), opened);
     }
-    refused_always(home.path(), &["evaluate", "chart", "--params", "p.svg", "--plot", "p.svg"], opened);
+    refused_always(&home, &["evaluate", "chart", "--params", "p.svg", "--plot", "p.svg"], opened);
     let session = format!("version = 4\nburst = {{ paths = [{:?}] }}\n", at("pb"));
-    fs::write(at("night.toml"), session).expect("written");
-    refused_always(home.path(), &render("night.toml", "night.toml"), opened);
+    home.write("night.toml", session);
+    refused_always(&home, &render("night.toml", "night.toml"), opened);
     // The files of a session are known once it is open; a frame that Burstscope did not write is refused before.
     let over = render("night.toml", "pb/frame_001.png");
-    let before = contents(home.path());
-    run_badly(home.path(), &over, 1);
-    let words = run_badly(home.path(), &[&over[..], &["--force"]].concat(), 1);
-    assert!(words.contains(opened) && contents(home.path()) == before, "{words}");
+    let before = contents(&home);
+    home.run_badly(&over, 1);
+    let words = home.run_badly(&[&over[..], &["--force"]].concat(), 1);
+    assert!(words.contains(opened) && contents(&home) == before, "{words}");
 }
 
 #[test]
 fn a_plot_never_replaces_an_input() {
     let home = home_with(&["a"]);
     // The frame's name ends in .svg; nothing is opened by its name.
-    fs::rename(home.path().join("a/frame_000.png"), home.path().join("frame.svg")).expect("renamed");
+    fs::rename(home.join("a/frame_000.png"), home.join("frame.svg")).expect("renamed");
     let frames = ["frame.svg", "a/frame_001.png", "a/frame_002.png"];
     let probe = [&["probe"][..], &frames, &["--at", "40,40", "--plot", "frame.svg"]].concat();
-    refused_always(home.path(), &probe, "files that were opened are never written to");
+    refused_always(&home, &probe, "files that were opened are never written to");
     let slopes = [&["slopes"][..], &frames, &["--plot", "frame.svg"]].concat();
-    refused_always(home.path(), &slopes, "files that were opened are never written to");
+    refused_always(&home, &slopes, "files that were opened are never written to");
 }
 
 #[test]
 fn a_folder_of_features_keeps_what_others_wrote_there() {
     let home = home_with(&["nights/c0", "nights/c1"]);
-    let at = |name: &str| home.path().join(name);
-    fs::create_dir(at("out")).expect("made");
-    fs::write(at("out/c1.csv"), "name,street\nAda,Main 1\n").expect("written");
-    fs::write(at("out/notes.txt"), "about the nights").expect("written");
+    let at = |name: &str| home.join(name);
+    home.make_dir("out");
+    home.write("out/c1.csv", "name,street\nAda,Main 1\n");
+    home.write("out/notes.txt", "about the nights");
     let detect = [&["detect", "nights", "--out", "out", "--format", "csv,colmap,npz"][..], &SEARCH].concat();
-    let before = contents(home.path());
-    let words = run_badly(home.path(), &detect, 1);
+    let before = contents(&home);
+    let words = home.run_badly(&detect, 1);
     assert!(words.contains("Burstscope did not write this file") && words.contains("out/c1.csv"), "{words}");
-    assert!(words.contains("--force") && contents(home.path()) == before, "nothing is begun");
-    run_well(home.path(), &[&detect[..], &["--force"]].concat());
+    assert!(words.contains("--force") && contents(&home) == before, "nothing is begun");
+    home.run_well(&[&detect[..], &["--force"]].concat());
     assert_eq!(names(&at("out")), ["c0.csv", "c0.npz", "c0.txt", "c1.csv", "c1.npz", "c1.txt", "notes.txt"]);
-    assert_eq!(fs::read_to_string(at("out/notes.txt")).expect("there"), "about the nights");
+    assert_eq!(home.text("out/notes.txt"), "about the nights");
     // The command may replace its own files when run again, and others may write there too.
-    run_well(home.path(), &detect);
+    home.run_well(&detect);
     let matching = [&["match", "nights/c0", "nights/c1", "--out", "out"][..], &SEARCH].concat();
-    run_well(home.path(), &matching);
-    run_well(home.path(), &matching);
+    home.run_well(&matching);
+    home.run_well(&matching);
     for name in ["c0_c1.matches.csv", "c0_c1.matches.png"] {
         fs::write(at("out").join(name), "mine").expect("written");
-        let words = run_badly(home.path(), &matching, 1);
-        assert!(words.contains(name) && words.contains("did not write"), "{words}");
+        says(home.run_badly(&matching, 1), &[name, "did not write"]);
         fs::remove_file(at("out").join(name)).expect("removed");
     }
     // A burst whose file of features would be in the folder of its frames.
-    fs::create_dir(at("flat")).expect("made");
+    home.make_dir("flat");
     for t in 0..3 {
         fs::copy(at(&format!("nights/c0/frame_00{t}.png")), at(&format!("flat/{t}.png"))).expect("copied");
     }
-    run_well(home.path(), &[&["detect", "flat", "--out", "flat"][..], &SEARCH].concat());
+    home.run_well(&[&["detect", "flat", "--out", "flat"][..], &SEARCH].concat());
     assert_eq!(names(&at("flat")), ["0.png", "1.png", "2.png", "flat.csv"]);
 }
 
 #[test]
 fn one_file_is_replaced_if_burstscope_wrote_it() {
     let home = home_with(&["a"]);
-    let at = |name: &str| home.path().join(name);
+    let at = |name: &str| home.join(name);
     let render = [&["render", "a", "--out", "x.png"][..], &SMALL].concat();
     let small = ["--seeds", "1", "--snr", "2", "--methods", "sift-frame", "--width", "96", "--height", "72"];
     let chart_plot =
@@ -135,61 +133,57 @@ fn one_file_is_replaced_if_burstscope_wrote_it() {
     ];
     for (command, file) in commands {
         // Made, made again, and made over an empty file, with which nothing can be lost.
-        run_well(home.path(), command);
-        run_well(home.path(), command);
+        home.run_well(command);
+        home.run_well(command);
         fs::write(at(file), "").expect("emptied");
-        run_well(home.path(), command);
+        home.run_well(command);
         fs::write(at(file), "somebody's").expect("written");
-        let words = run_badly(home.path(), command, 1);
-        assert!(words.contains("did not write") && words.contains(file) && words.contains("--force"), "{words}");
+        says(home.run_badly(command, 1), &["did not write", file, "--force"]);
         assert_eq!(fs::read_to_string(at(file)).expect("there"), "somebody's");
-        run_well(home.path(), &[command, &["--force"]].concat());
+        home.run_well(&[command, &["--force"]].concat());
         assert!(fs::metadata(at(file)).expect("there").len() > 100, "{file}");
     }
     // Without a display the window is drawn into a file of this name.
-    fs::write(at("burstscope-a.png"), "somebody's").expect("written");
-    let words = run_badly(home.path(), &["a"], 1);
-    assert!(words.contains("burstscope-a.png") && words.contains("render --out"), "{words}");
-    assert_eq!(fs::read_to_string(at("burstscope-a.png")).expect("there"), "somebody's");
+    home.write("burstscope-a.png", "somebody's");
+    says(home.run_badly("a", 1), &["burstscope-a.png", "render --out"]);
+    assert_eq!(home.text("burstscope-a.png"), "somebody's");
 }
 
 #[test]
 fn links_are_not_followed() {
     let home = home_with(&["a"]);
-    let at = |name: &str| home.path().join(name);
+    let at = |name: &str| home.join(name);
     let link = |target: &str, name: &str| std::os::unix::fs::symlink(at(target), at(name)).expect("linked");
-    run_well(home.path(), &["stack", "a", "--slope", "0,0", "--out", "ours.tiff"]);
-    fs::write(at("thesis.tiff"), "precious").expect("written");
-    fs::create_dir(at("out")).expect("made");
+    home.run_well("stack a --slope 0,0 --out ours.tiff");
+    home.write("thesis.tiff", "precious");
+    home.make_dir("out");
     for (target, name) in [("thesis.tiff", "l1.tiff"), ("ours.tiff", "l2.tiff"), ("nowhere", "l3.tiff")] {
         link(target, name);
-        let before = contents(home.path());
+        let before = contents(&home);
         let stack = ["stack", "a", "--slope", "1,0", "--out", name];
-        let words = run_badly(home.path(), &stack, 1);
-        assert!(words.contains("links are not followed") && words.contains(name), "{words}");
-        assert!(contents(home.path()) == before);
-        run_well(home.path(), &[&stack[..], &["--force"]].concat());
+        says(home.run_badly(&stack, 1), &["links are not followed", name]);
+        assert!(contents(&home) == before);
+        home.run_well(&[&stack[..], &["--force"]].concat());
         assert!(!fs::symlink_metadata(at(name)).expect("there").is_symlink(), "the link itself is replaced");
-        let now = contents(home.path());
+        let now = contents(&home);
         assert!(before.iter().filter(|(file, _)| file != name).all(|old| now.contains(old)), "{target} is as it was");
     }
     assert!(!at("nowhere").exists());
     link("thesis.tiff", "out/a.csv");
     let detect = [&["detect", "a", "--out", "out"][..], &SEARCH].concat();
-    assert!(run_badly(home.path(), &detect, 1).contains("out/a.csv"));
-    run_well(home.path(), &[&detect[..], &["--force"]].concat());
-    assert_eq!(fs::read_to_string(at("thesis.tiff")).expect("there"), "precious");
+    assert!(home.run_badly(&detect, 1).contains("out/a.csv"));
+    home.run_well(&[&detect[..], &["--force"]].concat());
+    assert_eq!(home.text("thesis.tiff"), "precious");
     // A link to a folder is followed, for files that go into it; a folder that is replaced as a whole must be named
     // itself.
-    fs::create_dir(at("elsewhere")).expect("made");
+    home.make_dir("elsewhere");
     link("elsewhere", "there");
-    run_well(home.path(), &[&["detect", "a", "--out", "there"][..], &SEARCH].concat());
+    home.run_well(&[&["detect", "a", "--out", "there"][..], &SEARCH].concat());
     assert_eq!(names(&at("elsewhere")), ["a.csv"]);
-    let words = run_badly(home.path(), &["synth", "chart", "--out", "there"], 1);
-    assert!(words.contains("links are not followed"), "{words}");
+    says(home.run_badly("synth chart --out there", 1), &["links are not followed"]);
     // Devices stay as they are.
     for out in ["/dev/stdout", "/dev/null"] {
-        let output = run(home.path(), &["render", "a", "--out", out, "--no-detect", "--force"]);
+        let output = home.run(&["render", "a", "--out", out, "--no-detect", "--force"]);
         assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0), "{}", stderr(&output));
     }
 }
@@ -197,53 +191,51 @@ fn links_are_not_followed() {
 #[test]
 fn noisy_copies_do_not_replace_their_originals() {
     let home = home_with(&["a"]);
-    run_well(home.path(), &["synth", "noisy", "a", "--out", "copies"]);
-    run_well(home.path(), &["synth", "noisy", "a", "--out", "copies"]);
-    let before = contents(home.path());
+    home.run_well("synth noisy a --out copies");
+    home.run_well("synth noisy a --out copies");
+    let before = contents(&home);
     for out in ["copies", "."] {
-        let words = run_badly(home.path(), &["synth", "noisy", "copies", "--out", out], 1);
+        let words = home.run_badly(&["synth", "noisy", "copies", "--out", out], 1);
         assert!(words.contains("files that were opened are never written to"), "{words}");
     }
-    assert!(contents(home.path()) == before);
+    assert!(contents(&home) == before);
 }
 
 #[cfg(feature = "colmap")]
 #[test]
 fn a_dataset_does_not_write_over_its_frames_or_into_other_folders() {
     let home = home_with(&["nights/a", "nights/b"]);
-    let at = |name: &str| home.path().join(name);
+    let at = |name: &str| home.join(name);
     let colmap = |inputs: &[&str]| {
         [&["colmap"], inputs, &["--out", "rec"], &SEARCH].concat().iter().map(|s| s.to_string()).collect::<Vec<_>>()
     };
     let run_colmap = |inputs: &[&str], code| {
         let arguments = colmap(inputs);
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        if code == 0 { run_well(home.path(), &arguments) } else { run_badly(home.path(), &arguments, code) }
+        if code == 0 { home.run_well(&arguments) } else { home.run_badly(&arguments, code) }
     };
     run_colmap(&["nights"], 0);
     // Pictures of the dataset, given as bursts of the same names, one frame each.
-    let before = contents(home.path());
-    let words = run_colmap(&["rec/images/a.png", "nights/b"], 1);
-    assert!(words.contains("files that were opened are never written to"), "{words}");
-    assert!(contents(home.path()) == before);
+    let before = contents(&home);
+    says(run_colmap(&["rec/images/a.png", "nights/b"], 1), &["files that were opened are never written to"]);
+    assert!(contents(&home) == before);
     // A link among its files, and a folder with a user's own file.
     fs::remove_file(at("rec/database.db")).expect("removed");
-    fs::write(at("precious.db"), "precious").expect("written");
+    home.write("precious.db", "precious");
     std::os::unix::fs::symlink(at("precious.db"), at("rec/database.db")).expect("linked");
     assert!(run_colmap(&["nights"], 1).contains("links are not followed"));
-    assert_eq!(fs::read_to_string(at("precious.db")).expect("there"), "precious");
+    assert_eq!(home.text("precious.db"), "precious");
     for command in
         [&["colmap", "nights", "--out", "nights"][..], &["figures", "--out", "nights"], &["figures", "--out", "rec"]]
     {
-        let words = run_badly(home.path(), command, 1);
-        assert!(words.contains("this folder holds files"), "{words}");
+        says(home.run_badly(command, 1), &["this folder holds files"]);
     }
 }
 
 #[test]
 fn two_processes_do_not_write_into_one_folder() {
     let home = home_with(&["a", "b"]);
-    let out = home.path().join("out");
+    let out = home.join("out");
     fs::create_dir(&out).expect("made");
     let lock = out.join(".burstscope-lock");
     fs::write(&lock, "process 4711 on lighthouse\n").expect("written");
@@ -252,33 +244,31 @@ fn two_processes_do_not_write_into_one_folder() {
     let detect = [&["detect", "a", "--out", "out"][..], &SEARCH].concat();
     let matching = [&["match", "a", "b", "--out", "out"][..], &SEARCH].concat();
     for command in [&detect[..], &matching, &["figures", "--out", "out", "--only", "fig9", "--quick"]] {
-        let words = run_badly(home.path(), command, 1);
-        assert!(words.contains("process 4711 on lighthouse writes into this folder"), "{words}");
+        says(home.run_badly(command, 1), &["process 4711 on lighthouse writes into this folder"]);
     }
     assert_eq!(names(&out), [".burstscope-lock"], "nothing was begun");
     drop(file);
-    run_well(home.path(), &matching);
+    home.run_well(&matching);
     assert_eq!(names(&out), ["a.csv", "a_b.matches.csv", "a_b.matches.png", "b.csv"], "the lock is not left");
     // A folder that is made as a whole is locked by a file beside it.
-    let lock = home.path().join(".burstscope-a.lock");
+    let lock = home.join(".burstscope-a.lock");
     fs::write(&lock, "process 4711 on lighthouse\n").expect("written");
     let file = fs::OpenOptions::new().read(true).write(true).open(&lock).expect("opened");
     file.try_lock().expect("free");
-    let words = run_badly(home.path(), &["synth", "chart", "--out", "a"], 1);
-    assert!(words.contains("process 4711 on lighthouse writes into this folder"), "{words}");
-    chart(home.path(), "c");
+    says(home.run_badly("synth chart --out a", 1), &["process 4711 on lighthouse writes into this folder"]);
+    chart(&home, "c");
     drop(file);
-    chart(home.path(), "a");
-    assert_eq!(names(home.path()), ["a", "b", "c", "out"]);
+    chart(&home, "a");
+    assert_eq!(names(&home), ["a", "b", "c", "out"]);
     // Leftovers of killed runs do not make a folder a user's own.
     for command in
         [&["figures", "--out", "left", "--only", "fig9", "--quick"][..], &["synth", "chart", "--out", "left2"]]
     {
-        let left = home.path().join(command[command.iter().position(|word| *word == "--out").expect("there") + 1]);
+        let left = home.join(command[command.iter().position(|word| *word == "--out").expect("there") + 1]);
         fs::create_dir(&left).expect("made");
         fs::write(left.join(".burstscope-lock"), "process 4711\n").expect("written");
         leave_unfinished(&left);
-        run_well(home.path(), command);
+        home.run_well(command);
     }
 }
 
@@ -291,16 +281,16 @@ fn of_two_runs_into_one_folder_one_is_refused() {
     };
     let made: Vec<_> = ["5", "12"]
         .map(|edge| {
-            run_well(home.path(), &arguments(edge));
-            let made = contents(&home.path().join("out"));
-            fs::remove_dir_all(home.path().join("out")).expect("removed");
+            home.run_well(&arguments(edge));
+            let made = contents(&home.join("out"));
+            fs::remove_dir_all(home.join("out")).expect("removed");
             made
         })
         .into();
     assert!(made[0] != made[1]);
     for round in 0..6 {
         let start = |edge| {
-            let mut command = program(home.path(), &arguments(edge));
+            let mut command = home.program(&arguments(edge));
             command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts")
         };
         let (first, second) = (start("5"), start("12"));
@@ -311,9 +301,9 @@ fn of_two_runs_into_one_folder_one_is_refused() {
             assert!(stderr(output).contains("writes into this folder"), "{}", stderr(output));
         }
         assert!(codes.contains(&Some(0)), "round {round}: {codes:?}");
-        let found = contents(&home.path().join("out"));
+        let found = contents(&home.join("out"));
         assert!(made.contains(&found), "round {round}: a mixture");
-        fs::remove_dir_all(home.path().join("out")).expect("removed");
+        fs::remove_dir_all(home.join("out")).expect("removed");
     }
 }
 
@@ -322,13 +312,13 @@ fn a_folder_that_is_removed_while_it_is_written_is_an_error() {
     let home = home_with(&["nights/a", "nights/b", "nights/c"]);
     // So many slopes that there is time to remove the folder.
     let search = ["--slopes-u", "-3:3:41", "--slopes-v", "-3:3:41", "--threads", "1"];
-    let out = home.path().join("out");
+    let out = home.join("out");
     let mut commands = vec![(&["detect", "nights", "--out", "out"][..], "a.csv")];
     if cfg!(feature = "colmap") {
         commands.push((&["colmap", "nights", "--out", "out"], "records/a.png.json"));
     }
     for (command, first) in commands {
-        let mut running = program(home.path(), &[command, &search].concat());
+        let mut running = home.program(&[command, &search].concat());
         let mut running = running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
         let end = Instant::now() + Duration::from_secs(300);
         while !out.join(first).exists() {

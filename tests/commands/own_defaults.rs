@@ -6,7 +6,7 @@ use burstscope::detector::Rules;
 /// Runs `case`, whose document has the parameters of a search that it need not make.
 fn kept(home: &Path, defaults: &str, more: &[&str]) -> Output {
     let line = [&["case", "demo-tripod", "--out", "a.burstcase", "--json"], more].concat();
-    program(home, &line).env("BURSTSCOPE_DEFAULTS", defaults).output().expect("it starts")
+    home.program(&line).env("BURSTSCOPE_DEFAULTS", defaults).output().expect("it starts")
 }
 
 fn document(output: &Output) -> Value {
@@ -20,8 +20,8 @@ fn search(output: &Output) -> SearchParams {
 
 #[test]
 fn options_come_before_their_file_before_own_defaults_before_what_is_built_in() {
-    let home = tempfile::tempdir().expect("a folder");
-    let write = |name: &str, text: &str| fs::write(home.path().join(name), text).expect("written");
+    let home = folder();
+    let write = |name: &str, text: &str| fs::write(home.join(name), text).expect("written");
     write("own.toml", "levels = 4\nmax_features = 70\nedge_threshold = 8.0\n[matching]\nratio = 0.6\nseed = 7\n");
     write("p.toml", "levels = 5\nmax_features = 80\n[matching]\nratio = 0.7\nmin_inliers = 5\n");
     write("rules.toml", "rules = \"vlfeat\"\nlevels = 6\n");
@@ -36,16 +36,16 @@ fn options_come_before_their_file_before_own_defaults_before_what_is_built_in() 
         (&["--params", "p.toml", "--max-features", "90"], SearchParams { max_features: 90, ..of_file }),
         (&["--params", "rules.toml"], SearchParams { levels: 6, ..of_rules }),
     ] {
-        let output = kept(home.path(), "own.toml", more);
+        let output = kept(&home, "own.toml", more);
         assert_eq!(search(&output), expected, "{more:?}");
         assert_eq!(stderr(&output), "note: took defaults from own.toml\n", "{more:?}");
     }
-    let output = kept(home.path(), "", &[]);
+    let output = kept(&home, "", &[]);
     assert_eq!((search(&output), stderr(&output).as_str()), (SearchParams::default(), ""));
 
     let line = ["match", "demo", "demo-later", "--out", "m", "--json", "--params", "p.toml", "--octaves", "2"];
     let line = [&line[..], &["--min-inliers", "9"]].concat();
-    let output = program(home.path(), &line).env("BURSTSCOPE_DEFAULTS", "own.toml").output().expect("it starts");
+    let output = home.program(&line).env("BURSTSCOPE_DEFAULTS", "own.toml").output().expect("it starts");
     let matching: MatchParams = serde_json::from_value(document(&output)["matching"].clone()).expect("parameters");
     assert_eq!(matching, MatchParams { ratio: 0.7, seed: 7, min_inliers: 9, ..MatchParams::default() });
     assert_eq!(stderr(&output).matches("took defaults from own.toml").count(), 1, "{}", stderr(&output));
@@ -58,8 +58,8 @@ fn the_usual_place_is_read_unless_the_variable_is_set() {
     fs::write(folder.join("defaults.toml"), "levels = 4\n").expect("written");
     let run = |variable: Option<&str>| {
         let line = ["case", "demo-tripod", "--out", "a.burstcase", "--json"];
-        let mut command = program(home.path(), &line);
-        command.env("XDG_CONFIG_HOME", home.path().join("config")).env_remove("BURSTSCOPE_DEFAULTS");
+        let mut command = home.program(&line);
+        command.env("XDG_CONFIG_HOME", home.join("config")).env_remove("BURSTSCOPE_DEFAULTS");
         command.envs(variable.map(|value| ("BURSTSCOPE_DEFAULTS", value))).output().expect("it starts")
     };
     if cfg!(all(unix, not(target_os = "macos"))) {
@@ -72,11 +72,11 @@ fn the_usual_place_is_read_unless_the_variable_is_set() {
 
 #[test]
 fn what_is_wrong_with_own_defaults_is_told_with_their_file() {
-    let home = tempfile::tempdir().expect("a folder");
-    let write = |text: &str| fs::write(home.path().join("own.toml"), text).expect("written");
+    let home = folder();
+    let write = |text: &str| home.write("own.toml", text);
     let fails = |line: &[&str], defaults: &str, code: i32, words: [&str; 2]| {
         let line = [line, &["--out", "x"]].concat();
-        let output = program(home.path(), &line).env("BURSTSCOPE_DEFAULTS", defaults).output().expect("it starts");
+        let output = home.program(&line).env("BURSTSCOPE_DEFAULTS", defaults).output().expect("it starts");
         let told = stderr(&output);
         assert_eq!(output.status.code(), Some(code), "{line:?}: {told}");
         assert!(words.iter().chain([&defaults]).all(|word| told.contains(word)), "{line:?}: {told}");
@@ -90,15 +90,15 @@ fn what_is_wrong_with_own_defaults_is_told_with_their_file() {
     write("[matching]\nratoi = 0.7\n");
     fails(&matched, "own.toml", 2, ["line 2", "ratoi"]);
     fails(&detect, "gone.toml", 1, ["cannot read", "parameter file"]);
-    assert_eq!(names(home.path()), ["own.toml"]);
+    assert_eq!(names(&home), ["own.toml"]);
 }
 
 #[test]
 fn nothing_is_written_over_own_defaults() {
-    let home = tempfile::tempdir().expect("a folder");
-    fs::write(home.path().join("own.tiff"), "levels = 4\n").expect("written");
+    let home = folder();
+    home.write("own.tiff", "levels = 4\n");
     let line = ["stack", "demo-tripod", "--slope", "0,0", "--out", "own.tiff", "--force"];
-    let output = program(home.path(), &line).env("BURSTSCOPE_DEFAULTS", "own.tiff").output().expect("it starts");
+    let output = home.program(&line).env("BURSTSCOPE_DEFAULTS", "own.tiff").output().expect("it starts");
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert_eq!(fs::read(home.path().join("own.tiff")).expect("there"), b"levels = 4\n");
+    assert_eq!(fs::read(home.join("own.tiff")).expect("there"), b"levels = 4\n");
 }

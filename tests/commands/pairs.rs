@@ -7,7 +7,7 @@ const SEARCH: [&str; 4] = ["--slopes-u", "-2:2:5", "--octaves", "2"];
 /// Makes four bursts along a way that see the same things.
 fn way(home: &Path) {
     let size = "--width 240 --height 180 --bursts 4 --frames 5 --max-slope 2 --snr 5";
-    run_well(home, &args(&format!("synth trajectory --out way {size}")));
+    home.run_well(&format!("synth trajectory --out way {size}"));
 }
 
 /// The names of the bursts of the way.
@@ -19,7 +19,7 @@ fn bursts(numbers: std::ops::Range<usize>) -> Vec<String> {
 fn reconstruct(home: &Path, bursts: &[String], out: &str, more: &[&str]) -> (Value, Vec<u8>) {
     let bursts: Vec<&str> = bursts.iter().map(String::as_str).collect();
     let line = [&["colmap"], &bursts[..], &SEARCH, &["--out", out, "--json"], more].concat();
-    let json = run_json(home, &line);
+    let json = home.run_json(&line);
     (json, fs::read(home.join(out).join("database.db")).expect("a database"))
 }
 
@@ -36,8 +36,8 @@ fn pair_file(home: &Path, a: usize, b: usize) -> PathBuf {
 
 #[test]
 fn pairs_are_kept_and_a_burst_more_costs_its_own() {
-    let home = tempfile::tempdir().expect("a folder");
-    let home = home.path();
+    let home = folder();
+    let home = &*home;
     way(home);
     let all = [[1, 2], [1, 3], [2, 3]];
     let (first, of_three) = reconstruct(home, &bursts(0..3), "rec", &[]);
@@ -55,8 +55,7 @@ fn pairs_are_kept_and_a_burst_more_costs_its_own() {
         json
     };
     assert_eq!(without_resumed(&first), without_resumed(&again));
-    let text = run_well(
-        home,
+    let text = home.run_well(
         &["colmap", "way/bursts/burst_000", "way/bursts/burst_001", "way/bursts/burst_002", "--out", "rec"]
             .into_iter()
             .chain(SEARCH)
@@ -75,8 +74,8 @@ fn pairs_are_kept_and_a_burst_more_costs_its_own() {
 
 #[test]
 fn pairs_of_other_options_or_features_are_matched_again() {
-    let home = tempfile::tempdir().expect("a folder");
-    let home = home.path();
+    let home = folder();
+    let home = &*home;
     way(home);
     let pairs = |more: &[&str]| resumed(&reconstruct(home, &bursts(0..3), "rec", more).0).len();
     for options in [
@@ -108,8 +107,8 @@ fn pairs_of_other_options_or_features_are_matched_again() {
 
 #[test]
 fn near_pairs_are_those_of_the_way_in_whatever_order_the_bursts_are_given() {
-    let home = tempfile::tempdir().expect("a folder");
-    let home = home.path();
+    let home = folder();
+    let home = &*home;
     way(home);
     let mixed = [0, 2, 1].map(|k| format!("way/bursts/burst_{k:03}"));
     let line = |threads| ["--pairs", "near:1", "--threads", threads];
@@ -122,13 +121,13 @@ fn near_pairs_are_those_of_the_way_in_whatever_order_the_bursts_are_given() {
     let (_, again) = reconstruct(home, &mixed, "two", &line("2"));
     assert!(again == database, "two threads give another database");
     let study = ["evaluate", "matches", "way/bursts", "--pairs", "near:1"];
-    assert!(run_badly(home, &study, 2).contains("near:1 is chosen by features"));
+    assert!(home.run_badly(&study, 2).contains("near:1 is chosen by features"));
 }
 
 #[test]
 fn a_pair_that_is_not_whole_or_of_other_bursts_is_matched_again() {
-    let home = tempfile::tempdir().expect("a folder");
-    let home = home.path();
+    let home = folder();
+    let home = &*home;
     way(home);
     let (_, first) = reconstruct(home, &bursts(0..3), "rec", &[]);
     let file = pair_file(home, 0, 2);
@@ -162,25 +161,23 @@ fn a_pair_that_is_not_whole_or_of_other_bursts_is_matched_again() {
     // What somebody else has put there stays, and is named.
     fs::write(&file, "mine").expect("written");
     let line = [&["colmap", "way/bursts", "--out", "rec"][..], &SEARCH].concat();
-    let words = run_badly(home, &line, 1);
-    assert!(words.contains("did not write this file") && words.contains("burst_002.png.pair"), "{words}");
+    says(home.run_badly(&line, 1), &["did not write this file", "burst_002.png.pair"]);
     assert_eq!(fs::read(&file).expect("there"), b"mine");
 }
 
 #[test]
 fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
-    let home = tempfile::tempdir().expect("a folder");
-    let home = home.path();
+    let home = folder();
+    let home = &*home;
     way(home);
-    fs::write(home.join("list.txt"), "# of a retrieval\n\nburst_001.png burst_000\nburst_002.png burst_003.png\n")
-        .expect("written");
+    home.write("list.txt", "# of a retrieval\n\nburst_001.png burst_000\nburst_002.png burst_003.png\n");
     let (json, of_list) = reconstruct(home, &bursts(0..4), "rec", &["--pairs", "list.txt"]);
     let ids: Vec<&Value> = json["pairs"].as_array().expect("pairs").iter().map(|pair| &pair["ids"]).collect();
     assert_eq!(ids, [&serde_json::json!([1, 2]), &serde_json::json!([3, 4])]);
     let parts = serde_json::json!([["burst_000", "burst_001"], ["burst_002", "burst_003"]]);
     assert_eq!((&json["joined"]["parts"], &json["joined"]["alone"]), (&parts, &serde_json::json!([])));
     let line = [&["colmap", "way/bursts", "--out", "rec", "--pairs"][..], &["list.txt"], &SEARCH].concat();
-    let text = run_well(home, &line);
+    let text = home.run_well(&line);
     assert!(text.contains("4 images, 2 pairs, 2 from an earlier run: "), "{text}");
     assert!(text.contains("verified pairs join 2 of 4 images, and apart from them 2 others\n"), "{text}");
     // The pairs of the list are those that all pairs keep.
@@ -190,13 +187,13 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
     assert!(json["implied"].as_u64().is_some_and(|implied| implied > 0), "{}", json["implied"]);
     let counts = |pair: &Value| ["inliers", "putative"].map(|key| pair[key].as_u64());
     assert!(json["pairs"].as_array().expect("pairs").iter().map(counts).all(|[inliers, all]| inliers <= all), "{json}");
-    let text = run_well(home, &[&["colmap", "way/bursts", "--out", "rec"][..], &SEARCH].concat());
+    let text = home.run_well(&[&["colmap", "way/bursts", "--out", "rec"][..], &SEARCH].concat());
     assert!(text.contains("verified pairs join all 4 images\n"), "{text}");
     let (_, again) = reconstruct(home, &bursts(0..4), "rec", &["--pairs", "list.txt"]);
     assert!(again == of_list);
     // One pair, and nothing of the others.
-    fs::write(home.join("list.txt"), "burst_001 burst_003\n").expect("written");
-    let text = run_well(home, &line);
+    home.write("list.txt", "burst_001 burst_003\n");
+    let text = home.run_well(&line);
     assert!(
         text.contains("4 images, 1 pair, 1 from an earlier run: ") && text.contains("in 1 verified pair\n"),
         "{text}"
@@ -206,8 +203,8 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
     let report = |inputs: &[&'static str], more: &[&'static str]| {
         [&["report"], inputs, &["--out", "flight.md", "--json", "--pairs-of"], more, &SEARCH].concat()
     };
-    let flight = run_json(home, &report(&["way/bursts"], &["rec"]));
-    let json = run_json(home, &[&line[..], &["--json"]].concat());
+    let flight = home.run_json(&report(&["way/bursts"], &["rec"]));
+    let json = home.run_json(&[&line[..], &["--json"]].concat());
     assert_eq!((&flight["joined"], flight["pairs"].as_array().map(Vec::len)), (&json["joined"], Some(1)));
     for key in ["ids", "keypoints_a", "keypoints_b", "putative", "inliers", "refused"] {
         assert_eq!(flight["pairs"][0][key], json["pairs"][0][key], "{key}");
@@ -215,23 +212,22 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
     assert_eq!(flight["pairs"][0]["bursts"], serde_json::json!(["burst_001", "burst_003"]));
     let rows = flight["bursts"].as_array().expect("rows").iter();
     assert_eq!(rows.map(|row| row["verified_pairs"].clone()).collect::<Vec<_>>(), [0, 1, 0, 1]);
-    let page = fs::read_to_string(home.join("flight.md")).expect("a page");
+    let page = home.text("flight.md");
     assert!(page.contains(r"- Verified pairs join 2 of 4 images; none is of burst\_000, burst\_002"), "{page}");
     assert!(page.contains("\n1 pair with a match, ") && page.contains(r"| burst\_001 | burst\_003 | "), "{page}");
-    fs::create_dir(home.join("broken")).expect("made");
+    home.make_dir("broken");
     let database = fs::read(home.join("rec/database.db")).expect("a database");
-    fs::write(home.join("broken/database.db"), &database[..512]).expect("written");
+    home.write("broken/database.db", &database[..512]);
     for (inputs, folder, words) in [
         ("way/bursts", "way", "way is no folder that colmap wrote from these bursts: it has no database.db"),
         ("way/bursts", "broken", "its database.db is damaged ("),
         ("demo demo-later", "rec", "it holds none of them; give the --out of a `burstscope colmap`"),
     ] {
-        let told = run_badly(home, &report(&args(inputs), &[folder]), 2);
-        assert!(told.contains(words) && told.contains("--pairs-of: "), "{folder}: {told}");
+        says(home.run_badly(&report(&inputs.words(), &[folder]), 2), &[words, "--pairs-of: "]);
     }
     // No inliers: nothing is joined, and nothing can be mapped.
     let none = [&line[..], &["--min-inliers", "100000", "--predict", "false", "--json"]].concat();
-    let json = run_json(home, &none);
+    let json = home.run_json(&none);
     assert_eq!(json["joined"]["alone"].as_array().map(Vec::len), Some(4), "{}", json["joined"]);
     let why = json["no_start"].as_str().expect("a reason");
     assert!(why.contains("the one pair is not verified (0 without a match, 0 refused"), "{why}");
@@ -244,7 +240,7 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
         word.into_iter().for_each(|word| bytes[lines + 4 * word] = 1);
         fs::write(&file, bytes).expect("written");
         let two = report(&["way/bursts/burst_001", "demo"], &["rec"]);
-        serde_json::from_str::<Value>(&run_well(home, &two)).expect("JSON")
+        serde_json::from_str::<Value>(&home.run_well(&two)).expect("JSON")
     };
     assert_eq!(of_two(None)["pairs"][0]["refused"], Value::Null);
     let refused = of_two(Some(1));
@@ -258,13 +254,11 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
         (&"motions".into(), &1.into())
     );
     assert_eq!([0, 1].map(|row| refused["bursts"][row]["verified_pairs"].clone()), [0.into(), Value::Null]);
-    let page = fs::read_to_string(home.join("flight.md")).expect("a page");
-    assert!(page.contains("- No pair is verified\n- Not in the folder of the pairs: demo\n"), "{page}");
+    says(home.text("flight.md"), &["- No pair is verified\n- Not in the folder of the pairs: demo\n"]);
     // What is wrong is named with its line, before anything is done.
     for (text, words) in [("burst_000 burst_001\nburst_000 night\n", "line 2: "), ("\nburst_000\n", "line 2: ")] {
-        fs::write(home.join("list.txt"), text).expect("written");
-        let words_of = run_badly(home, &line, 1);
-        assert!(words_of.contains(words) && words_of.contains("list.txt") && words_of.contains("burst_"), "{words_of}");
+        home.write("list.txt", text);
+        says(home.run_badly(&line, 1), &[words, "list.txt", "burst_"]);
     }
-    assert!(run_badly(home, &[&line[..4], &["--pairs", "gone.txt"]].concat(), 2).contains("two names a line"));
+    assert!(home.run_badly(&[&line[..4], &["--pairs", "gone.txt"]].concat(), 2).contains("two names a line"));
 }

@@ -1,6 +1,5 @@
 //! `detect` on real pictures, where they are installed; the folder's own notes describe them.
 
-use crate::shared::shared;
 use crate::support::*;
 
 /// Options of the paper's joint rule, which leaves few features at wrong slopes: with each slope for itself, bright
@@ -12,15 +11,15 @@ const JOINT: &str = "--slope-extrema joint --distinct off --rules vlfeat --max-o
 #[test]
 fn the_graffiti_burst_moves_by_one_pixel_to_the_right() {
     let data = shared("data");
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     // In this order the motion is uniform.
     let frames: Vec<String> =
         [5, 1, 2, 4, 3].map(|k| data.join(format!("buff-demo-1d/{k}.png")).to_string_lossy().into_owned()).to_vec();
     let mut arguments = vec!["detect", "--slopes-u", "-2:2:5", "--out", "found"];
-    arguments.extend(args(JOINT));
+    arguments.extend(JOINT.words());
     arguments.extend(frames.iter().map(String::as_str));
-    run_well(home.path(), &arguments);
-    let rows = features(&home.path().join("found/buff-demo-1d.csv"));
+    home.run_well(&arguments);
+    let rows = features(&home.join("found/buff-demo-1d.csv"));
     let right = rows.iter().filter(|r| (r[4] - 1.0).abs() < 0.5 && r[5] == 0.0).count();
     assert!(rows.len() > 500 && right * 10 > rows.len() * 9, "{right} of {} features at slope (1, 0)", rows.len());
 }
@@ -29,24 +28,21 @@ fn the_graffiti_burst_moves_by_one_pixel_to_the_right() {
 #[test]
 fn the_eight_discs_have_their_true_slopes() {
     let data = shared("data");
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let input = data.join("buff-demo-2d");
-    run_well(
-        home.path(),
-        &[
-            "detect",
-            &input.to_string_lossy(),
-            "--slopes-u",
-            "-2:2:5",
-            "--slopes-v",
-            "-2:2:5",
-            "--max-orientations",
-            "1",
-            "--out",
-            "found",
-        ],
-    );
-    let rows = features(&home.path().join("found/buff-demo-2d.csv"));
+    home.run_well(&[
+        "detect",
+        &input.to_string_lossy(),
+        "--slopes-u",
+        "-2:2:5",
+        "--slopes-v",
+        "-2:2:5",
+        "--max-orientations",
+        "1",
+        "--out",
+        "found",
+    ]);
+    let rows = features(&home.join("found/buff-demo-2d.csv"));
     // The discs are bright, and the strongest blobs by far.
     let discs = &rows.iter().filter(|r| r[6] < 0.0).collect::<Vec<_>>()[..8];
     for (k, a) in discs.iter().enumerate() {
@@ -64,7 +60,7 @@ fn the_eight_discs_have_their_true_slopes() {
 #[test]
 fn a_real_cameras_features_pile_up_at_its_motion() {
     let data = shared("data");
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let mut frames: Vec<String> = fs::read_dir(data.join("slider-far"))
         .expect("a folder")
         .map(|e| e.expect("an entry").path().to_string_lossy().into_owned())
@@ -72,10 +68,10 @@ fn a_real_cameras_features_pile_up_at_its_motion() {
         .collect();
     frames.sort();
     let mut arguments = vec!["detect", "--slopes-u", "-6:6:25", "--levels", "3", "--out", "found"];
-    arguments.extend(args(JOINT));
+    arguments.extend(JOINT.words());
     arguments.extend(frames[20..29].iter().map(String::as_str));
-    run_well(home.path(), &arguments);
-    let rows = features(&home.path().join("found/slider-far.csv"));
+    home.run_well(&arguments);
+    let rows = features(&home.join("found/slider-far.csv"));
     // The densest interval of slopes, half a pixel per frame wide.
     let near = |centre: f64| rows.iter().filter(|r| (r[4] - centre).abs() < 0.25).count();
     let (peak, count) =

@@ -42,7 +42,7 @@ fn figures(report: &Value) -> Vec<(&str, bool)> {
 fn all_figures_are_made_once_and_kept() {
     let (home, folder) = folder_with("paper");
     let arguments = ["figures", "--out", "paper", "--quick", "--no-colmap", "--json"];
-    let made = run_json(home.path(), &arguments);
+    let made = home.run_json(&arguments);
     let mut found: Vec<&str> = figures(&made).into_iter().map(|(name, _)| name).collect();
     found.sort_unstable();
     assert_eq!(found, ALL);
@@ -53,14 +53,12 @@ fn all_figures_are_made_once_and_kept() {
         assert!(page.contains(&format!("src=\"{name}.svg\"")) && page.contains(&format!("href=\"{name}.csv\"")));
     }
     assert!(page.contains("was not found (pycolmap alone is not enough)") && page.contains("--quick"));
-    let table = fs::read_to_string(folder.join("table1.csv")).expect("a table");
-    assert!(table.contains("1D,BuFF 1D,,,") && table.contains("2D,gold standard,,,"), "{table}");
+    says(fs::read_to_string(folder.join("table1.csv")).expect("a table"), &["1D,BuFF 1D,,,", "2D,gold standard,,,"]);
 
     // A file of somebody else that came into the place of one of ours stays.
     let numbers = fs::read(folder.join("fig7.csv")).expect("numbers");
     fs::write(folder.join("fig7.csv"), "mine").expect("written");
-    let words = run_badly(home.path(), &arguments, 1);
-    assert!(words.contains("fig7.csv") && words.contains("did not write"), "{words}");
+    says(home.run_badly(&arguments, 1), &["fig7.csv", "did not write"]);
     assert_eq!(fs::read_to_string(folder.join("fig7.csv")).expect("there"), "mine");
     fs::write(folder.join("fig7.csv"), numbers).expect("put back");
 
@@ -70,7 +68,7 @@ fn all_figures_are_made_once_and_kept() {
     let seconds = made["figures"][4]["seconds"].clone();
     let picture = fs::read_to_string(folder.join("fig7.svg")).expect("a picture");
     fs::write(folder.join("fig7.svg"), picture.replacen("<title>", "<title>Altered: ", 1)).expect("written");
-    let again = run_json(home.path(), &arguments);
+    let again = home.run_json(&arguments);
     for (name, resumed) in figures(&again) {
         assert_eq!(resumed, name != "fig7", "{name}");
     }
@@ -83,11 +81,11 @@ fn all_figures_are_made_once_and_kept() {
 
 #[test]
 fn only_some_and_only_in_a_folder_of_figures() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let only = ["figures", "--out", "paper", "--quick", "--no-colmap", "--only", "fig9,fig3"];
-    let text = run_well(home.path(), &only);
+    let text = home.run_well(&only);
     assert!(text.contains("Fig. 3") && text.contains("Fig. 9") && !text.contains("Fig. 4"), "{text}");
-    let found = names(&home.path().join("paper"));
+    let found = names(&home.join("paper"));
     let shown: Vec<&String> = found.iter().filter(|name| !name.starts_with('.')).collect();
     assert_eq!(shown, ["fig3.csv", "fig3.svg", "fig9.csv", "fig9.svg", "index.html", "records"]);
     for (arguments, code, words) in [
@@ -95,13 +93,12 @@ fn only_some_and_only_in_a_folder_of_figures() {
         (vec!["figures", "--out", "paper", "--only", "fig12"], 2, "fig1 to fig9 or table1 to table3"),
         (vec!["figures", "--out", "paper/fig3.svg"], 2, "this is not a folder"),
     ] {
-        assert!(run_badly(home.path(), &arguments, code).contains(words), "{arguments:?}");
+        assert!(home.run_badly(&arguments, code).contains(words), "{arguments:?}");
     }
-    fs::create_dir(home.path().join("own")).expect("made");
-    fs::write(home.path().join("own/fig3.svg"), "mine").expect("written");
-    let error = run_badly(home.path(), &["figures", "--out", "own", "--quick"], 1);
-    assert!(error.contains("this folder holds files"), "{error}");
-    assert_eq!(names(&home.path().join("own")), ["fig3.svg"]);
+    home.make_dir("own");
+    home.write("own/fig3.svg", "mine");
+    says(home.run_badly("figures --out own --quick", 1), &["this folder holds files"]);
+    assert_eq!(names(&home.join("own")), ["fig3.svg"]);
 }
 
 /// Stand-in for COLMAP: its mapper returns the true poses, in a text model.
@@ -125,15 +122,15 @@ awk '!/^#/ { w=$8; qx=-$5; qy=-$6; qz=-$7; x=$2; y=$3; z=$4
 fn where_colmap_is_installed_it_fills_the_columns() {
     use std::os::unix::fs::PermissionsExt;
     let (home, tool) = folder_with("bin/colmap");
-    fs::create_dir(home.path().join("bin")).expect("made");
+    home.make_dir("bin");
     fs::write(&tool, MAPPER).expect("written");
     fs::set_permissions(&tool, fs::Permissions::from_mode(0o755)).expect("set");
     let path = std::env::var("PATH").unwrap_or_default();
     let arguments = ["figures", "--out", "paper", "--quick", "--only", "table1,table2,table3,fig8", "--json"];
-    let mut command = program(home.path(), &arguments);
-    let output = command.env("PATH", format!("{}:{path}", home.path().join("bin").display())).output().expect("runs");
+    let mut command = home.program(&arguments);
+    let output = command.env("PATH", format!("{}:{path}", home.join("bin").display())).output().expect("runs");
     assert!(output.status.success(), "{}", stderr(&output));
-    let folder = home.path().join("paper");
+    let folder = home.join("paper");
     ["table1", "table2", "table3", "fig8"].iter().for_each(|name| assert_whole(&folder, name));
     let csv = |name: &str| -> Vec<Vec<String>> {
         let text = fs::read_to_string(folder.join(name)).expect("a table");

@@ -3,7 +3,7 @@
 use crate::support::*;
 
 fn json(home: &Path, arguments: &[&str]) -> Value {
-    run_json(home, arguments)
+    home.run_json(arguments)
 }
 
 /// A value without what depends on how long the work took.
@@ -18,8 +18,8 @@ const LINE: [&str; 3] = ["demo", "--slopes-u", "-3:3:13"];
 
 #[test]
 fn a_report_says_what_the_other_commands_say() {
-    let home = tempfile::tempdir().expect("a folder");
-    let ask = |arguments: &[&str]| json(home.path(), &[arguments, &LINE[..], &["--json"]].concat());
+    let home = folder();
+    let ask = |arguments: &[&str]| json(&home, &[arguments, &LINE[..], &["--json"]].concat());
     let page = &ask(&["report", "--out", "r.md", "--at", "92,58", "--at", "12,34", "--copies", "2"]);
     let detected = &ask(&["detect", "--out", "found"])["bursts"][0];
     assert_eq!((&page["features"], &page["tally"]), (&detected["features"], &detected["tally"]));
@@ -32,16 +32,15 @@ fn a_report_says_what_the_other_commands_say() {
     for (index, place) in ["92,58", "12,34"].into_iter().enumerate() {
         assert_eq!(page["places"][index], ask(&["probe", "--at", place])["probe"], "{place}");
     }
-    let text = fs::read_to_string(home.path().join("r.md")).expect("a page");
+    let text = home.text("r.md");
     let features = page["features"].as_u64().expect("a count");
     let copies = page["decoys"]["rates"][0]["in_copies"].as_array().expect("counts");
     let false_ones = copies.iter().filter_map(Value::as_f64).sum::<f64>() / copies.len() as f64;
     let told = format!("{features} features; {false_ones:.1} are found on average with the frames in other orders");
     let samples = page["tally"]["rejected"]["noise_gate"].as_u64().expect("a count").to_string();
-    let digits: String = text.chars().filter(|letter| *letter != ' ').collect();
-    assert!(
-        digits.contains(&told.replace(' ', "")) && digits.contains(&format!("|{samples}|belowthenoisegate")),
-        "{text}"
+    says(
+        text.chars().filter(|letter| *letter != ' ').collect::<String>(),
+        &[&told.replace(' ', ""), &format!("|{samples}|belowthenoisegate")],
     );
     assert!(text.contains("## Place 1 at (92, 58)") && text.contains("## Place 2 at (12, 34)"), "{text}");
     assert!(
@@ -51,21 +50,20 @@ fn a_report_says_what_the_other_commands_say() {
 
 #[test]
 fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let at = ["--at", "92,58", "--at", "the mast=12,34"];
     let line = |out: &'static str| [&["report", "--out", out, "--quiet"], &at[..], &LINE[..]].concat();
     for out in ["r.md", "r.html", "r.svg", "r.pdf", "r.png"] {
         // The second run replaces what the first one wrote.
-        (0..2).for_each(|_| assert_eq!(run_well(home.path(), &line(out)), ""));
-        fs::write(home.path().join(out), "mine").expect("written");
-        assert!(run_badly(home.path(), &line(out), 1).contains("--force"), "{out}");
-        run_well(home.path(), &[&line(out)[..], &["--force"]].concat());
+        (0..2).for_each(|_| assert_eq!(home.run_well(&line(out)), ""));
+        fs::write(home.join(out), "mine").expect("written");
+        assert!(home.run_badly(&line(out), 1).contains("--force"), "{out}");
+        home.run_well(&[&line(out)[..], &["--force"]].concat());
     }
-    let svg = fs::read_to_string(home.path().join("r.svg")).expect("a figure");
+    let svg = home.text("r.svg");
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|node| node.has_tag_name(tag)).count();
-    let features =
-        json(home.path(), &[&["report", "--out", "r.svg", "--json"], &LINE[..]].concat())["features"].clone();
+    let features = json(&home, &[&["report", "--out", "r.svg", "--json"], &LINE[..]].concat())["features"].clone();
     assert_eq!((count("image"), Some(count("circle") as u64)), (1, features.as_u64()));
     assert!(svg.contains("Place 1 at (92, 58)") && svg.contains("below the noise gate"));
     let texts = || document.descendants().filter(|node| node.has_tag_name("text"));
@@ -77,12 +75,12 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
     let height =
         document.root_element().attribute("viewBox").and_then(|view| view.rsplit(' ').next()?.parse::<f64>().ok());
     assert!(height.is_some_and(|height| (100.0..height - 20.0).contains(&lowest)), "{lowest} of {height:?}");
-    assert!(fs::read(home.path().join("r.pdf")).expect("a file").starts_with(b"%PDF"));
+    assert!(fs::read(home.join("r.pdf")).expect("a file").starts_with(b"%PDF"));
 }
 
 #[test]
 fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for (line, code, words) in [
         ("report demo --out r.docx", 2, "name the report .md, .html, .svg, .pdf or .png"),
         ("report demo", 2, "--out"),
@@ -94,13 +92,12 @@ fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
         ("report demo demo-later --out r.svg", 2, "name the report of several bursts .md, .html or .csv"),
         ("report demo demo-later --out r.md --at 5,5", 2, "--at: a place is one of one burst"),
     ] {
-        let told = run_badly(home.path(), &args(line), code);
-        assert!(told.contains(words), "{line}: {told}");
+        says(home.run_badly(line, code), &[words]);
     }
-    assert_eq!(names(home.path()), [""; 0]);
+    assert_eq!(names(&home), [""; 0]);
     // Three frames have no other orders: the rest is told.
     let few = ["report", "demo", "--frames", "0..3", "--out", "few.md", "--json"];
-    let page = &json(home.path(), &few);
+    let page = &json(&home, &few);
     assert!(
         page["decoys"].is_null() && page["no_decoys"].as_str().is_some_and(|why| why.contains("4 or more")),
         "{page}"
@@ -109,17 +106,17 @@ fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
 
 #[test]
 fn a_report_of_a_flight_has_a_row_for_each_burst_and_begins_with_the_worst() {
-    let home = tempfile::tempdir().expect("a folder");
-    let home = home.path();
+    let home = folder();
+    let home = &*home;
     for (name, slope, seed) in [("n 1", "1.5", "1"), ("n2", "1.5", "2"), ("fast", "5", "3")] {
         let out = format!("nights/{name}");
         let scene = ["--width", "160", "--height", "120", "--frames", "6", "--snr", "8", "--max-slope", slope];
-        run_well(home, &[&["synth", "scene", "--out", &out, "--seed", seed], &scene[..]].concat());
+        home.run_well(&[&["synth", "scene", "--out", &out, "--seed", seed], &scene[..]].concat());
     }
-    fs::create_dir(home.join("nights/gone")).expect("a folder");
-    fs::write(home.join("nights/gone/f0.png"), "broken").expect("written");
+    home.make_dir("nights/gone");
+    home.write("nights/gone/f0.png", "broken");
     let ask = |arguments: &[&str]| {
-        let output = run(home, &[arguments, &["nights", "--slopes-u", "-2:2:9", "--json"]].concat());
+        let output = home.run(&[arguments, &["nights", "--slopes-u", "-2:2:9", "--json"]].concat());
         assert_eq!(output.status.code(), Some(1), "one burst fails");
         assert!(stderr(&output).contains("error: gone: "), "{}", stderr(&output));
         serde_json::from_slice::<Value>(&output.stdout).expect("JSON")
@@ -139,7 +136,7 @@ fn a_report_of_a_flight_has_a_row_for_each_burst_and_begins_with_the_worst() {
     let worst: Vec<&str> =
         flight["worst"].as_array().expect("a list").iter().filter_map(|one| one["name"].as_str()).collect();
     assert_eq!(worst[..2], ["gone", "fast"], "{flight}");
-    let page = fs::read_to_string(home.join("flight.md")).expect("a page");
+    let page = home.text("flight.md");
     let [first, second] = ["- gone: ", "- fast: "].map(|words| page.find(words).expect("named"));
     assert!(
         first < second
@@ -151,21 +148,21 @@ fn a_report_of_a_flight_has_a_row_for_each_burst_and_begins_with_the_worst() {
     assert_eq!(flight["bursts"][2]["open"], "burstscope 'nights/n 1'");
     // As a table; the second run knows the first one's file.
     (0..2).for_each(|_| drop(ask(&["report", "--out", "flight.csv"])));
-    let table = fs::read_to_string(home.join("flight.csv")).expect("a table");
+    let table = home.text("flight.csv");
     assert_eq!(table.lines().count(), 5, "{table}");
     let cut = ["report", "nights/n2", "--burst-length", "3", "--slopes-u", "-2:2:5", "--out", "cut.md"];
-    assert!(run_well(home, &cut).ends_with("wrote cut.md\n"));
+    assert!(home.run_well(&cut).ends_with("wrote cut.md\n"));
     assert!(fs::read_to_string(home.join("cut.md")).is_ok_and(|page| page.contains("# 2 bursts\n")));
 }
 
 #[test]
 fn a_page_of_html_says_what_the_page_of_markdown_says_and_needs_no_other_file() {
-    let home = tempfile::tempdir().expect("a folder");
-    let home = home.path();
+    let home = folder();
+    let home = &*home;
     let small = ["--width", "120", "--height", "90", "--discs", "2", "--frames", "5", "--max-slope", "1", "--quiet"];
     for (name, seed) in [("a<b & \"c\"", "1"), ("it's &amp;", "2")] {
         let out = format!("nights/{name}");
-        run_well(home, &[&["synth", "chart", "--out", &out, "--seed", seed], &small[..]].concat());
+        home.run_well(&[&["synth", "chart", "--out", &out, "--seed", seed], &small[..]].concat());
     }
     let broken = "<script> & \"co\"";
     fs::create_dir(home.join("nights").join(broken)).expect("a folder");
@@ -174,7 +171,7 @@ fn a_page_of_html_says_what_the_page_of_markdown_says_and_needs_no_other_file() 
         let read = |ending: &str| {
             let out = format!("{out}.{ending}");
             let line = ["report", input, "--slopes-u", "-1:1:3", "--copies", "1", "--quiet", "--out", &out];
-            assert_eq!(run(home, &line).status.code(), Some(code), "{out}");
+            assert_eq!(home.run(&line).status.code(), Some(code), "{out}");
             fs::read_to_string(home.join(&out)).expect("a page")
         };
         let (markdown, html) = (read("md").replace('\\', ""), read("html"));
@@ -202,13 +199,13 @@ fn a_page_of_html_says_what_the_page_of_markdown_says_and_needs_no_other_file() 
 
 #[test]
 fn names_have_no_marks_of_markdown() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let small = ["--width", "120", "--height", "90", "--discs", "2", "--frames", "5", "--max-slope", "1", "--quiet"];
-    run_well(home.path(), &[&["synth", "chart", "--out", "a_b*c*"], &small[..]].concat());
+    home.run_well(&[&["synth", "chart", "--out", "a_b*c*"], &small[..]].concat());
     let line = |out: &'static str| ["report", "a_b*c*", "--slopes-u", "-1:1:3", "--quiet", "--out", out];
-    run_well(home.path(), &line("r.md"));
-    run_well(home.path(), &line("r.svg"));
-    let read = |name: &str| fs::read_to_string(home.path().join(name)).expect("text");
+    home.run_well(&line("r.md"));
+    home.run_well(&line("r.svg"));
+    let read = |name: &str| fs::read_to_string(home.join(name)).expect("text");
     assert!(read("r.md").contains(r"# a\_b\*c\*: 5 frames"), "{}", read("r.md"));
     assert!(read("r.svg").contains(">a_b*c*: 5 frames"));
 }

@@ -36,11 +36,11 @@ fn words(line: &str) -> Vec<&str> {
 
 #[test]
 fn the_documents_show_what_the_program_writes() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let mut compared = 0;
     for (document, text) in documents() {
         for (command, lines) in samples(&text) {
-            let output = run_well(home.path(), &command.split_whitespace().collect::<Vec<_>>());
+            let output = home.run_well(&command.split_whitespace().collect::<Vec<_>>());
             let mut rest = output.lines();
             for line in lines {
                 let name = Path::new(&document).file_name().expect("a file").display();
@@ -147,7 +147,7 @@ fn blocks(text: &str) -> Vec<(&str, bool)> {
 /// Output of a command, or of the file that it writes (`COMMAND > FILE`).
 fn output_of(home: &Path, command: &str) -> String {
     let (command, file) = command.split_once(" > ").map_or((command, None), |(command, file)| (command, Some(file)));
-    let output = run_well(home, &command.split_whitespace().collect::<Vec<_>>());
+    let output = home.run_well(&command.split_whitespace().collect::<Vec<_>>());
     let Some(file) = file else { return output };
     let text = fs::read_to_string(home.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
     let is_figure = file.ends_with(".svg");
@@ -175,7 +175,7 @@ fn assert_written(name: &str, command: &str, expected: &Expected<'_>, output: &s
 
 #[test]
 fn every_measured_number_has_its_source_or_its_version() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let mut outputs: HashMap<String, String> = HashMap::new();
     let (mut sourced, mut versioned) = (0, 0);
     for name in SOURCED {
@@ -189,7 +189,7 @@ fn every_measured_number_has_its_source_or_its_version() {
         for block in text.split("\n\n") {
             let (shown, comments) = apart(block);
             for (command, numbers) in comments.into_iter().filter_map(source) {
-                let run = || output_of(home.path(), command);
+                let run = || output_of(&home, command);
                 let output = outputs.entry(command.to_owned()).or_insert_with(run);
                 for expected in numbers {
                     assert!(shown.contains(expected.text), "{name}: {} does not stand in\n{shown}", expected.text);

@@ -1,6 +1,7 @@
 //! Helpers that run the program.
 
 // Names that most tests of the commands use.
+pub use crate::shared::{Folder, folder, folder_with, names, says, shared};
 pub use burstscope::burst::OpenOptions;
 pub use burstscope::detector::{SearchParams, Slope};
 pub use burstscope::matching::{MatchParams, PairSelection};
@@ -21,19 +22,106 @@ use std::sync::mpsc;
 /// Timeout of a process, for tests of hanging.
 const GUARD: Duration = Duration::from_secs(120);
 
-/// Command that runs the program with `arguments`, in the folder `home`, without a display and the user's defaults.
-pub fn program(home: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_burstscope"));
-    command.current_dir(home).args(arguments).env("BURSTSCOPE_DEFAULTS", "");
-    for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
-        command.env_remove(name);
-    }
-    command
+/// Words of a command line: a list, or a text that is split at its blanks.
+pub trait Line {
+    fn words(&self) -> Vec<&str>;
 }
 
-/// Runs the program to its end.
-pub fn run(home: &Path, arguments: &[&str]) -> Output {
-    program(home, arguments).output().expect("the program starts")
+impl Line for str {
+    fn words(&self) -> Vec<&str> {
+        self.split_whitespace().collect()
+    }
+}
+
+impl Line for String {
+    fn words(&self) -> Vec<&str> {
+        self.as_str().words()
+    }
+}
+
+impl Line for [&str] {
+    fn words(&self) -> Vec<&str> {
+        self.to_vec()
+    }
+}
+
+impl<const N: usize> Line for [&str; N] {
+    fn words(&self) -> Vec<&str> {
+        self.to_vec()
+    }
+}
+
+impl Line for Vec<&str> {
+    fn words(&self) -> Vec<&str> {
+        self.clone()
+    }
+}
+
+/// What is done in a folder.
+pub trait Home {
+    /// Command that runs the program in this folder, without a display and the user's defaults.
+    fn program(&self, line: &(impl Line + ?Sized)) -> Command;
+
+    /// Writes a file of this folder.
+    fn write(&self, name: &str, content: impl AsRef<[u8]>);
+
+    /// Makes a folder in this folder, with those above it.
+    fn make_dir(&self, name: &str);
+
+    /// The text of a file of this folder.
+    fn text(&self, name: &str) -> String;
+
+    /// The document in a file of this folder.
+    fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.text(name)).expect("JSON")
+    }
+
+    /// Runs the program to its end.
+    fn run(&self, line: &(impl Line + ?Sized)) -> Output {
+        self.program(line).output().expect("the program starts")
+    }
+
+    /// Runs the program and expects exit code 0; returns the standard output.
+    fn run_well(&self, line: &(impl Line + ?Sized)) -> String {
+        let output = self.run(line);
+        assert_eq!(output.status.code(), Some(0), "{:?}: {}", line.words(), stderr(&output));
+        String::from_utf8(output.stdout).expect("text")
+    }
+
+    /// Runs the program and expects exit code 0; returns the document on the standard output.
+    fn run_json(&self, line: &(impl Line + ?Sized)) -> Value {
+        serde_json::from_str(&self.run_well(line)).expect("JSON")
+    }
+
+    /// Runs the program and expects exit code `code`; returns the standard error.
+    fn run_badly(&self, line: &(impl Line + ?Sized), code: i32) -> String {
+        let output = self.run(line);
+        assert_eq!(output.status.code(), Some(code), "{:?}: {}", line.words(), stderr(&output));
+        stderr(&output)
+    }
+}
+
+impl Home for Path {
+    fn program(&self, line: &(impl Line + ?Sized)) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_burstscope"));
+        command.current_dir(self).args(line.words()).env("BURSTSCOPE_DEFAULTS", "");
+        for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+            command.env_remove(name);
+        }
+        command
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.join(name), content).expect("written");
+    }
+
+    fn make_dir(&self, name: &str) {
+        fs::create_dir_all(self.join(name)).expect("made");
+    }
+
+    fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.join(name)).expect("a file of text")
+    }
 }
 
 /// Waits for the end of a process that may hang.
@@ -69,37 +157,20 @@ pub fn at_work(running: &Child) {
     }
 }
 
-/// Runs the program and expects exit code 0; returns the standard output.
-pub fn run_well(home: &Path, arguments: &[&str]) -> String {
-    let output = run(home, arguments);
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
-    String::from_utf8(output.stdout).expect("text")
-}
-
-/// Runs the program and expects exit code 0; returns the document on the standard output.
-pub fn run_json(home: &Path, arguments: &[&str]) -> Value {
-    serde_json::from_str(&run_well(home, arguments)).expect("JSON")
-}
-
-/// Arguments of one line.
-pub fn args(line: &str) -> Vec<&str> {
-    line.split_whitespace().collect()
-}
-
 /// Makes a chart of four small frames in the folder `home/name`.
 #[cfg(unix)]
 pub fn chart(home: &Path, name: impl AsRef<std::ffi::OsStr>) {
     let size = ["--width", "96", "--height", "72", "--frames", "4", "--discs", "3", "--radius", "3:6", "--snr", "5"];
-    let mut making = program(home, &["synth", "chart", "--quiet", "--out"]);
+    let mut making = home.program("synth chart --quiet --out");
     let output = making.arg(name).args(size).output().expect("it starts");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
 }
 
 /// A new folder with such charts.
 #[cfg(unix)]
-pub fn home_with(charts: &[&str]) -> tempfile::TempDir {
-    let home = tempfile::tempdir().expect("a folder");
-    charts.iter().for_each(|name| chart(home.path(), name));
+pub fn home_with(charts: &[&str]) -> Folder {
+    let home = folder();
+    charts.iter().for_each(|name| chart(&home, name));
     home
 }
 
@@ -107,25 +178,8 @@ pub fn home_with(charts: &[&str]) -> tempfile::TempDir {
 #[cfg(unix)]
 pub const SEARCH: [&str; 4] = ["--slopes-u", "-1:1:3", "--octaves", "2"];
 
-/// Runs the program and expects exit code `code`; returns the standard error.
-pub fn run_badly(home: &Path, arguments: &[&str], code: i32) -> String {
-    let output = run(home, arguments);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {}", stderr(&output));
-    stderr(&output)
-}
-
 pub fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-/// Names in a folder, sorted, including hidden ones.
-pub fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = fs::read_dir(folder)
-        .expect("a folder")
-        .map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort();
-    names
 }
 
 /// Lines of a CSV file of features as numbers, without the header and the words of the last column; NaN for empty
@@ -169,11 +223,4 @@ pub fn leave_unfinished(folder: &Path) {
     let mark = claiming(OutputKind::Unfinished, &serde_json::json!({ "target": "x.tiff" }));
     fs::write(hidden.join(OutputKind::Unfinished.file()), mark).expect("written");
     fs::write(hidden.join("new"), "half").expect("written");
-}
-
-/// A new folder that disappears after the test, and the path of this name in it.
-pub fn folder_with(name: &str) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join(name);
-    (folder, path)
 }

@@ -5,46 +5,43 @@ use clap::CommandFactory;
 
 #[test]
 fn a_lesson_is_begun_by_its_name_or_from_its_file() {
-    let home = tempfile::tempdir().expect("a folder");
-    let text = run_well(home.path(), &["--lesson", "what-noise-does"]);
-    assert!(text.contains("burstscope-what-noise-does.png"), "{text}");
+    let home = folder();
+    says(home.run_well("--lesson what-noise-does"), &["burstscope-what-noise-does.png"]);
     let own = "title = \"Mine\"\nabout = \"Own.\"\n[[step]]\ntitle = \"One\"\ncaption = \"Look.\"\n";
-    fs::write(home.path().join("mine.toml"), own).expect("written");
-    run_well(home.path(), &["--lesson", "mine.toml"]);
-    let drawn: Vec<String> = names(home.path()).into_iter().filter(|name| name.ends_with(".png")).collect();
+    home.write("mine.toml", own);
+    home.run_well("--lesson mine.toml");
+    let drawn: Vec<String> = names(&home).into_iter().filter(|name| name.ends_with(".png")).collect();
     assert_eq!(drawn, ["burstscope-mine.png", "burstscope-what-noise-does.png"]);
     for name in drawn {
-        let image = image::open(home.path().join(name)).expect("a picture").to_rgb8();
+        let image = image::open(home.join(name)).expect("a picture").to_rgb8();
         assert!(image.dimensions() == (1280, 800) && image.pixels().any(|p| p.0[0] > 200));
     }
 }
 
 #[test]
 fn a_lesson_that_is_not_there_or_has_a_mistake_is_said() {
-    let home = tempfile::tempdir().expect("a folder");
-    let error = run_badly(home.path(), &["--lesson", "nothing"], 2);
-    assert!(error.contains("nothing") && error.contains("out-of-the-dark"), "{error}");
-    fs::write(home.path().join("bad.toml"), "title = \"Mine\"\nabuot = \"x\"\n").expect("written");
-    let error = run_badly(home.path(), &["--lesson", "bad.toml"], 1);
-    assert!(error.contains("bad.toml, line 2") && error.contains("abuot"), "{error}");
+    let home = folder();
+    says(home.run_badly("--lesson nothing", 2), &["nothing", "out-of-the-dark"]);
+    home.write("bad.toml", "title = \"Mine\"\nabuot = \"x\"\n");
+    says(home.run_badly("--lesson bad.toml", 1), &["bad.toml, line 2", "abuot"]);
 }
 
 #[test]
 fn shells_get_their_completions() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
-        let text = run_well(home.path(), &["completions", shell]);
+        let text = home.run_well(&["completions", shell]);
         for word in ["burstscope", "detect", "slope-extrema", "lesson"] {
             assert!(text.contains(word), "{shell}: {word}");
         }
     }
-    run_badly(home.path(), &["completions", "dos"], 2);
+    home.run_badly("completions dos", 2);
 }
 
 /// Checks that the page of the `command` that these words name has its options and commands, and so on for these;
 /// returns the number of options.
 fn check_page(home: &Path, command: &clap::Command, words: &[&str]) -> usize {
-    let page = run_well(home, &[&["man"], words].concat());
+    let page = home.run_well(&[&["man"], words].concat());
     let escaped = |text: String| text.replace('-', "\\-");
     let title = [&["burstscope"], words].concat().join("-");
     assert!(page.contains(&format!("\n.TH {title} 1 ")), "{words:?}: {page}");
@@ -63,11 +60,10 @@ fn check_page(home: &Path, command: &clap::Command, words: &[&str]) -> usize {
 
 #[test]
 fn every_command_has_a_manual_page_with_its_options() {
-    let home = tempfile::tempdir().expect("a folder");
-    let options = check_page(home.path(), &burstscope::cli::commands::Cli::command(), &[]);
+    let home = folder();
+    let options = check_page(&home, &burstscope::cli::commands::Cli::command(), &[]);
     assert!(options > 300, "{options} options are too few to be all");
     for wrong in [&["man", "dog"][..], &["man", "evaluate", "charts"]] {
-        let error = run_badly(home.path(), wrong, 2);
-        assert!(error.contains(&format!("no command '{}'", wrong[1..].join(" "))), "{error}");
+        says(home.run_badly(wrong, 2), &[&format!("no command '{}'", wrong[1..].join(" "))]);
     }
 }

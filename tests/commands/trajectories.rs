@@ -11,10 +11,9 @@ fn truth(folder: &Path) -> Value {
 
 #[test]
 fn a_trajectory_is_bursts_gold_poses_and_a_lens() {
-    let home = tempfile::tempdir().expect("a folder");
-    let text = run_well(home.path(), &args(SMALL));
-    assert!(text.contains("3 bursts of 5 frames of 240×180, 4 planes, SNR 0.30 ("), "{text}");
-    let way = home.path().join("way");
+    let home = folder();
+    says(home.run_well(SMALL), &["3 bursts of 5 frames of 240×180, 4 planes, SNR 0.30 ("]);
+    let way = home.join("way");
     assert_eq!(names(&way), [".burstscope.json", "bursts", "gold", "lens.toml", "poses.txt", "trajectory.json"]);
     assert_eq!(names(&way.join("bursts")), ["burst_000", "burst_001", "burst_002"]);
     assert_eq!(names(&way.join("gold")), ["burst_000.png", "burst_001.png", "burst_002.png"]);
@@ -35,15 +34,15 @@ fn a_trajectory_is_bursts_gold_poses_and_a_lens() {
 
 #[test]
 fn its_poses_and_its_lens_are_read_back() {
-    let home = tempfile::tempdir().expect("a folder");
-    run_well(home.path(), &[&args(SMALL)[..], &["--snr", "5"]].concat());
+    let home = folder();
+    home.run_well(&[&SMALL.words()[..], &["--snr", "5"]].concat());
     // The truth against itself: every pose is paired, and there are no errors.
     let poses = ["evaluate", "poses", "--estimate", "way/poses.txt", "--truth", "way/poses.txt", "--json"];
-    let report = run_json(home.path(), &poses);
+    let report = home.run_json(&poses);
     assert_eq!(report["pairs"].as_array().map(Vec::len), Some(3));
     assert!(report["absolute"]["translation"]["max"].as_f64().is_some_and(|x| x < 1e-9), "{report}");
     // An estimate that names images, as COLMAP's, is paired with the poses by the bursts' numbers.
-    let lines = fs::read_to_string(home.path().join("way/poses.txt")).expect("a file");
+    let lines = home.text("way/poses.txt");
     let mut images = String::new();
     for (id, line) in lines.lines().filter(|line| !line.starts_with('#')).enumerate() {
         let n: Vec<f64> = line.split(' ').map(|word| word.parse().expect("a number")).collect();
@@ -51,21 +50,21 @@ fn its_poses_and_its_lens_are_read_back() {
         images +=
             &format!("{} 1 0 0 0 {} {} {} 1 burst_{:03}.png\n1 1 -1\n", id + 1, -n[1], -n[2], -n[3], n[0] as usize);
     }
-    fs::create_dir(home.path().join("model")).expect("made");
-    fs::write(home.path().join("model/images.txt"), images).expect("written");
-    fs::write(home.path().join("model/points3D.txt"), "").expect("written");
-    fs::write(home.path().join("model/cameras.txt"), "1 PINHOLE 240 180 216 216 120 90\n").expect("written");
+    home.make_dir("model");
+    home.write("model/images.txt", images);
+    home.write("model/points3D.txt", "");
+    home.write("model/cameras.txt", "1 PINHOLE 240 180 216 216 120 90\n");
     let poses = ["evaluate", "poses", "--estimate", "model", "--truth", "way/poses.txt", "--json"];
-    let report = run_json(home.path(), &poses);
+    let report = home.run_json(&poses);
     assert_eq!((&report["associated"], report["pairs"].as_array().map(Vec::len)), (&"time".into(), Some(3)));
     assert!(report["absolute"]["translation"]["max"].as_f64().is_some_and(|x| x < 1e-6), "{report}");
     // The lens is the camera that COLMAP's database is given.
     let colmap =
         ["colmap", "way/bursts", "--camera", "way/lens.toml", "--slopes-u", "-2:2:5", "--out", "rec", "--json"];
-    let report = run_json(home.path(), &colmap);
+    let report = home.run_json(&colmap);
     assert_eq!(report["known_camera"], true);
     assert_eq!(report["cameras"][0]["model"], "PINHOLE");
-    assert_eq!(report["cameras"][0]["params"], truth(&home.path().join("way"))["camera_params"]);
+    assert_eq!(report["cameras"][0]["params"], truth(&home.join("way"))["camera_params"]);
     let inliers = |pair: &Value| pair["inliers"].as_u64().unwrap_or(0);
     let pairs = report["pairs"].as_array().expect("pairs");
     assert!(pairs.iter().all(|pair| inliers(pair) >= 30), "{pairs:?}");
@@ -73,7 +72,7 @@ fn its_poses_and_its_lens_are_read_back() {
 
 #[test]
 fn wrong_use_says_what_would_be_right() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for (arguments, words) in [
         (&["--snr", "1", "--electrons", "2"][..], "cannot be used with"),
         (&["--electrons", "0"], "--electrons: 0; give a number above 0"),
@@ -81,21 +80,20 @@ fn wrong_use_says_what_would_be_right() {
         (&["--planes", "99"], "--planes: 99 planes; give 1 to 16"),
         (&["--motion", "3d"], "1d, 2d"),
     ] {
-        let error = run_badly(home.path(), &[&args(SMALL)[..8], arguments].concat(), 2);
-        assert!(error.contains(words), "{arguments:?}: {error}");
+        says(home.run_badly(&[&SMALL.words()[..8], arguments].concat(), 2), &[words]);
     }
-    fs::create_dir(home.path().join("way")).expect("made");
-    fs::write(home.path().join("way/thesis.txt"), "precious").expect("written");
-    assert!(run_badly(home.path(), &args(SMALL), 1).contains("way"));
-    assert_eq!(names(&home.path().join("way")), ["thesis.txt"]);
+    home.make_dir("way");
+    home.write("way/thesis.txt", "precious");
+    assert!(home.run_badly(SMALL, 1).contains("way"));
+    assert_eq!(names(&home.join("way")), ["thesis.txt"]);
 }
 
 #[test]
 fn methods_are_compared_on_a_trajectory() {
-    let home = tempfile::tempdir().expect("a folder");
-    run_well(home.path(), &[&args(SMALL)[..], &["--snr", "1"]].concat());
+    let home = folder();
+    home.run_well(&[&SMALL.words()[..], &["--snr", "1"]].concat());
     let study = ["evaluate", "matches", "way/bursts", "--gold", "way/gold"];
-    let report = run_json(home.path(), &[&study[..], &["--json"]].concat());
+    let report = home.run_json(&[&study[..], &["--json"]].concat());
     let rows = report["methods"].as_array().expect("rows");
     let methods: Vec<&str> = rows.iter().filter_map(|row| row["method"].as_str()).collect();
     // Without a range of slopes each burst's are found.
@@ -107,11 +105,10 @@ fn methods_are_compared_on_a_trajectory() {
     let inliers = |row: usize| rows[row]["inliers_per_image"].as_f64().expect("a number");
     assert!(inliers(3) > 2.0 * inliers(1), "{} and {} of one frame", inliers(3), inliers(1));
 
-    let text = run_well(home.path(), &[&study[..], &["--slopes", "auto", "--methods", "buff-auto"]].concat());
+    let text = home.run_well(&[&study[..], &["--slopes", "auto", "--methods", "buff-auto"]].concat());
     assert!(text.contains("slopes found (min:max:count, px/frame)\n  burst_000: u "), "{text}");
-    let text = run_well(home.path(), &[&study[..], &["--slopes-u", "-2:2:5", "--methods", "buff-1d"]].concat());
+    let text = home.run_well(&[&study[..], &["--slopes-u", "-2:2:5", "--methods", "buff-1d"]].concat());
     assert!(text.contains("slopes of BuFF 1D u -2:2:5 v 0:0:1") && !text.contains("BuFF 2D"), "{text}");
-    let error =
-        run_badly(home.path(), &[&study[..], &["--slopes", "auto", "--methods", "sift-merge,buff-1d"]].concat(), 2);
+    let error = home.run_badly(&[&study[..], &["--slopes", "auto", "--methods", "sift-merge,buff-1d"]].concat(), 2);
     assert!(error.contains("--slopes: ") && error.contains("buff-auto"), "{error}");
 }

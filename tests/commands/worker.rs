@@ -69,12 +69,12 @@ fn decoder_of(file: &str) -> Option<String> {
 
 #[test]
 fn values_come_through_as_they_are() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     for t in 0..5usize {
         let dng = Dng::new((24, 16), |u, v| (64 + 31 * t + 7 * u + 3 * v) as u16);
-        fs::write(folder.path().join(format!("{t}.dng")), dng.bytes()).expect("written");
+        folder.write(&format!("{t}.dng"), dng.bytes());
     }
-    let burst = open(folder.path()).expect("five frames");
+    let burst = open(&folder).expect("five frames");
     assert_eq!((burst.len(), burst.size(), burst.binning, burst.full_scale), (5, (12, 8), 2, 1023.0));
     for (t, frame) in burst.frames.iter().enumerate() {
         for v in 0..8 {
@@ -109,9 +109,9 @@ fn errors_say_what_they_say_without_a_process() {
     let error = Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default()).expect_err("too wide");
     assert!(error.kind == ErrorKind::TooLarge && error.to_string().contains("24×16"), "{error:?}");
     // Frames of two sizes.
-    let second = folder.path().join("b.dng");
+    let second = folder.join("b.dng");
     fs::write(&second, Dng::new((24, 18), |_, _| 70).bytes()).expect("written");
-    let error = open(folder.path()).expect_err("two sizes");
+    let error = open(&folder).expect_err("two sizes");
     let named = [("12×8", &path), ("12×9", &second)].map(|(size, path)| format!("{size}: {}", path.display()));
     assert!(named.iter().all(|name| error.problem.contains(name)), "{error:?}");
 }
@@ -131,9 +131,9 @@ fn a_decoder_that_takes_all_memory_takes_that_of_its_process() {
 
 #[test]
 fn cancelling_ends_the_process() {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder();
     // Enough pixels to keep a decoder busy.
-    let path = folder.path().join("large.dng");
+    let path = folder.join("large.dng");
     fs::write(&path, Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes()).expect("written");
     with_worker();
     let monitor = Monitor::default();
@@ -179,27 +179,26 @@ fn a_program_that_decodes_nothing_is_an_error_about_the_file() {
 
 #[test]
 fn a_harmful_file_loses_neither_the_other_bursts_nor_the_program() {
-    let home = tempfile::tempdir().expect("a folder");
-    fs::write(home.path().join("bad.dng"), crafted::huge_count_dng(5)).expect("written");
-    fs::create_dir(home.path().join("night")).expect("made");
-    fs::write(home.path().join("night/bad.raf"), crafted::huge_count_raf()).expect("written");
+    let home = folder();
+    home.write("bad.dng", crafted::huge_count_dng(5));
+    home.make_dir("night");
+    home.write("night/bad.raf", crafted::huge_count_raf());
     let arguments = ["detect", "bad.dng", "night", "demo", "--out", "found", "--slopes-u", "-1:1:3", "--octaves", "1"];
-    let words = run_badly(home.path(), &arguments, 1);
+    let words = home.run_badly(&arguments, 1);
     assert!(words.contains("bad.dng") && words.contains("bad.raf"), "{words}");
     assert!(!words.contains("panicked") && !words.contains("memory allocation of"), "{words}");
-    assert_eq!(names(&home.path().join("found")), ["demo.csv"]);
+    assert_eq!(names(&home.join("found")), ["demo.csv"]);
     // Files that announce more frames than there is memory, beside a good one in a folder.
-    fs::create_dir(home.path().join("arrays")).expect("made");
-    let at = |name: &str| home.path().join("arrays").join(name);
+    home.make_dir("arrays");
+    let at = |name: &str| home.join("arrays").join(name);
     let good: Vec<u8> = (0..2 * 96 * 72u32).map(|i| (i * i % 251) as u8).collect();
     let good = crafted::npy("2, 72, 96", &good);
     fs::write(at("good.npz"), crafted::npz(&good, good.len() as u32, None, None)).expect("written");
     let many = crafted::npy("4294967000, 1, 1", &[7; 600]);
     fs::write(at("many.npz"), crafted::npz(&many, 4_294_967_290, None, None)).expect("written");
     let arguments = ["detect", "arrays", "--out", "arrays-found", "--slopes-u", "-1:1:3", "--octaves", "1"];
-    let words = run_badly(home.path(), &arguments, 1);
-    assert!(words.contains("many.npz") && words.contains("announces"), "{words}");
-    assert_eq!(names(&home.path().join("arrays-found")), ["good.csv"]);
+    says(home.run_badly(&arguments, 1), &["many.npz", "announces"]);
+    assert_eq!(names(&home.join("arrays-found")), ["good.csv"]);
     for more in [
         &["info"][..],
         &["info", "--take", "0..2"],
@@ -207,7 +206,7 @@ fn a_harmful_file_loses_neither_the_other_bursts_nor_the_program() {
         &["colmap", "--out", "y"],
     ] {
         let arguments = [&more[..1], &["arrays/many.npz"], &more[1..]].concat();
-        let words = run_badly(home.path(), &arguments, 1);
+        let words = home.run_badly(&arguments, 1);
         assert!(words.contains("error: ") && !words.contains("memory allocation of"), "{arguments:?}: {words}");
     }
 }
@@ -222,15 +221,14 @@ fn large_tiles_are_unpacked_in_a_process() {
     assert!(burst.size() == (8192, 4096) && burst.frames[0].data().iter().all(|value| *value == 0.0));
     let packed = crafted::gzip_of_zeros(8192 * 4096 + 1);
     fs::write(&path, crafted::tile_fits(&sides, &[], &packed)).expect("written");
-    let words = open(&path).expect_err("too much").to_string();
-    assert!(words.contains("unpacks to") && words.contains("its pixels"), "{words}");
+    says(open(&path).expect_err("too much"), &["unpacks to", "its pixels"]);
 }
 
 #[test]
 fn damaged_jpegs_are_taken_on_demand_and_named_in_the_report() {
-    let home = tempfile::tempdir().expect("a folder");
-    fs::create_dir(home.path().join("night")).expect("made");
-    let frame = |t: u32| home.path().join(format!("night/{t}.jpg"));
+    let home = folder();
+    home.make_dir("night");
+    let frame = |t: u32| home.join(format!("night/{t}.jpg"));
     for t in 0..4 {
         let picture = image::GrayImage::from_fn(64, 48, |u, v| image::Luma([((u + t) * 37 + v * 91) as u8]));
         picture.save(frame(t)).expect("written");
@@ -238,12 +236,10 @@ fn damaged_jpegs_are_taken_on_demand_and_named_in_the_report() {
     let sound = fs::read(frame(2)).expect("read");
     fs::write(frame(2), &sound[..sound.len() / 2]).expect("written");
     let arguments = ["detect", "night", "--out", "found", "--slopes-u", "-1:1:3", "--octaves", "1"];
-    let words = run_badly(home.path(), &arguments, 1);
-    assert!(words.contains("2.jpg") && words.contains("truncated or damaged"), "{words}");
+    says(home.run_badly(&arguments, 1), &["2.jpg", "truncated or damaged"]);
     let accepting = [&arguments[..], &["--accept-damaged"]].concat();
-    let words = run_well(home.path(), &accepting);
-    assert!(words.contains("1 of 4 frames are damaged") && words.contains("2.jpg"), "{words}");
-    let json = run_json(home.path(), &[&accepting[..], &["--json"]].concat());
+    says(home.run_well(&accepting), &["1 of 4 frames are damaged", "2.jpg"]);
+    let json = home.run_json(&[&accepting[..], &["--json"]].concat());
     assert_eq!(json["bursts"][0]["damaged_frames"], serde_json::json!(["2.jpg"]));
 }
 
@@ -251,13 +247,11 @@ fn damaged_jpegs_are_taken_on_demand_and_named_in_the_report() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_process_that_decodes_has_few_rights_and_ends_when_the_program_is_killed() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     // Enough pixels to keep a decoder busy.
     let large = Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes();
-    fs::write(home.path().join("large.dng"), large).expect("written");
-    let mut running = program(home.path(), &["stack", "large.dng", "--slope", "0,0", "--out", "a.tiff", "--quiet"])
-        .spawn()
-        .expect("it starts");
+    home.write("large.dng", large);
+    let mut running = home.program("stack large.dng --slope 0,0 --out a.tiff --quiet").spawn().expect("it starts");
     let decoding = || {
         let tasks = fs::read_dir(format!("/proc/{}/task", running.id())).into_iter().flatten().flatten();
         let mut lists = tasks.filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
@@ -318,8 +312,8 @@ proptest! {
         if let Some(cut) = cut {
             bytes.truncate(cut.index(bytes.len()));
         }
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join(name);
+        let folder = folder();
+        let path = folder.join(name);
         fs::write(&path, bytes).expect("written");
         let limits = Limits { max_side_px: 512, max_pixels: 1 << 16, max_frames: 16, max_bytes: 1 << 22 };
         match Burst::open_with(&[path], &OpenOptions { limits, ..OpenOptions::default() }, &Monitor::default()) {

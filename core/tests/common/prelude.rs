@@ -1,7 +1,7 @@
 //! Names that most tests use.
 #![allow(dead_code, unused_imports)] // Each test program uses a part of it.
 
-pub use crate::shared::shared;
+pub use crate::shared::{Folder, folder, folder_with, names, says, shared};
 pub use burstscope_core::burst::*;
 pub use burstscope_core::detect::{detect, search};
 pub use burstscope_core::detector::params::*;
@@ -34,11 +34,4 @@ pub fn cancelled() -> Monitor {
 /// Does the work on so many threads.
 pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(work)
-}
-
-/// A new folder that disappears after the test, and the path of this name in it.
-pub fn folder_with(name: &str) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join(name);
-    (folder, path)
 }

@@ -1,7 +1,9 @@
-//! Location of the real input and of the published implementations' results.
+//! Folders of tests, words of messages, and the location of the real input.
 //!
-//! They are in the folder that `BURSTSCOPE_SHARED` names, or else in `../shared` beside the checkout. A test that needs
-//! one of them is marked with `#[needs::shared(…)]`, and is ignored where it is missing.
+//! That input and the published implementations' results are in the folder that `BURSTSCOPE_SHARED` names, or else in
+//! `../shared` beside the checkout. A test that needs one of them is marked with `#[needs::shared(…)]`, and is ignored
+//! where it is missing.
+#![allow(dead_code)] // Each test program uses a part of it.
 
 use std::path::{Path, PathBuf};
 
@@ -16,4 +18,52 @@ pub fn shared(relative: &str) -> PathBuf {
     let path = root.join(relative);
     assert!(path.exists(), "{} is missing; set BURSTSCOPE_SHARED to the folder that holds {relative}", path.display());
     path
+}
+
+/// A folder that disappears after the test.
+pub struct Folder(tempfile::TempDir);
+
+impl std::ops::Deref for Folder {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+impl AsRef<Path> for Folder {
+    fn as_ref(&self) -> &Path {
+        self
+    }
+}
+
+/// A new folder.
+pub fn folder() -> Folder {
+    Folder(tempfile::tempdir().expect("a temporary folder"))
+}
+
+/// Asserts that a text has all of these words.
+#[track_caller]
+pub fn says(text: impl std::fmt::Display, words: &[&str]) {
+    let text = text.to_string();
+    for word in words {
+        assert!(text.contains(word), "no '{word}' in: {text}");
+    }
+}
+
+/// A new folder that disappears after the test, and the path of this name in it.
+pub fn folder_with(name: &str) -> (Folder, PathBuf) {
+    let folder = folder();
+    let path = folder.join(name);
+    (folder, path)
+}
+
+/// Names in a folder, sorted, including hidden ones.
+pub fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .expect("a folder")
+        .map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
 }

@@ -11,7 +11,7 @@ fn chart() -> (Burst, Truth) {
     synth_chart(&chart, &quiet()).expect("a chart")
 }
 
-fn written(case: &Case, burst: &Burst, enclosed: &Enclosed) -> (tempfile::TempDir, PathBuf) {
+fn written(case: &Case, burst: &Burst, enclosed: &Enclosed) -> (Folder, PathBuf) {
     let (home, path) = folder_with("a.burstcase");
     write_case(&path, (case, burst), enclosed, &quiet()).expect("written");
     (home, path)
@@ -82,8 +82,7 @@ fn numbers_that_make_no_sense_are_refused_by_their_names() {
         (Case { quantisation_step: f32::INFINITY, ..good() }, "quantisation_step: inf"),
     ] {
         let (_home, path) = written(&lying, &Burst { frames: Vec::new(), ..part.clone() }, &Enclosed::default());
-        let words = read_case(&path, &Limits::default(), &quiet()).expect_err(name).to_string();
-        assert!(words.contains("a.burstcase") && words.contains(name), "{words}");
+        says(read_case(&path, &Limits::default(), &quiet()).expect_err(name), &["a.burstcase", name]);
     }
 }
 
@@ -112,6 +111,5 @@ fn sizes_that_the_frames_do_not_have_and_endless_texts_are_refused() {
     // Not read to its end, whatever it unpacks to.
     let session = Some("#".repeat(MAX_SESSION_BYTES as usize + 1));
     let (_home, path) = written(&case, &part, &Enclosed { session, truth: None });
-    let error = read_session(&path).expect_err("too long").to_string();
-    assert!(error.contains("session.toml") && error.contains("larger"), "{error}");
+    says(read_session(&path).expect_err("too long"), &["session.toml", "larger"]);
 }

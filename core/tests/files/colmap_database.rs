@@ -24,7 +24,7 @@ fn add_camera(database: &mut DatabaseWriter<'_>) -> Result<u32> {
 
 /// A database of two images with four and three features, with matches and a geometry of every kind, in a folder of its
 /// own within a temporary one, and its path.
-fn written() -> (tempfile::TempDir, PathBuf) {
+fn written() -> (Folder, PathBuf) {
     let (home, path) = folder_with("out/database.db");
     write_colmap_database(&path, |database| {
         let camera = add_camera(database)?;
@@ -127,7 +127,7 @@ fn a_database_is_whole_or_not_there() {
     assert_eq!(write_colmap_database(&path, |_| Err(Cancelled.into())), Err(Cancelled.into()));
     assert_eq!(fs::read(&path).expect("a file"), before);
     assert_eq!(fs::read_dir(path.parent().expect("one")).expect("a folder").count(), 1);
-    let refused = write_colmap_database(home.path(), |_| Ok(())).expect_err("a folder");
+    let refused = write_colmap_database(&home, |_| Ok(())).expect_err("a folder");
     assert_eq!(refused.kind, ErrorKind::Refused);
 }
 
@@ -148,7 +148,7 @@ fn text_that_is_no_features_is_named() {
         let error = read_colmap(&path).expect_err(words).to_string();
         assert!(error.contains(words) && error.ends_with("a.txt"), "{error}");
     }
-    assert!(read_colmap(&home.path().join("gone.txt")).is_err_and(|error| error.kind == ErrorKind::System));
+    assert!(read_colmap(&home.join("gone.txt")).is_err_and(|error| error.kind == ErrorKind::System));
 }
 
 proptest! {

@@ -27,8 +27,8 @@ fn file(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
 /// A folder shared by all inputs of one test.
 macro_rules! folder {
     () => {{
-        static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
-        FOLDER.get_or_init(|| tempfile::tempdir().expect("a folder")).path()
+        static FOLDER: OnceLock<Folder> = OnceLock::new();
+        FOLDER.get_or_init(folder)
     }};
 }
 
@@ -43,22 +43,22 @@ struct Sound {
 fn sound() -> &'static Sound {
     static SOUND: OnceLock<Sound> = OnceLock::new();
     SOUND.get_or_init(|| {
-        let home = tempfile::tempdir().expect("a folder");
+        let home = folder();
         let params = ChartParams { width: 96, height: 80, discs: 4, frames: 3, snr: 20.0, ..ChartParams::default() };
         let params = ChartParams { radius: 4.0..=6.0, max_slope: 1.0, ..params };
         let (burst, truth) = synth_chart(&params, &quiet()).expect("a chart");
-        let folder = home.path().join("chart");
+        let folder = home.join("chart");
         write_burst(&folder, &burst, &truth, &quiet()).expect("written");
         let search = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), ..DetectorParams::default() };
         let mut detection = detect(&burst, &search, &quiet()).expect("features");
         detection.features.truncate(3);
         detection.descriptors.truncate(3);
-        let (csv, colmap) = (home.path().join("f.csv"), home.path().join("f.txt"));
+        let (csv, colmap) = (home.join("f.csv"), home.join("f.txt"));
         write_csv(&csv, &detection.features, None).expect("written");
         write_colmap(&colmap, &detection.features, &detection.descriptors).expect("written");
         let read = |path: &Path| fs::read(path).expect("read");
         let colmap = String::from_utf8(read(&colmap)).expect("text");
-        let (of_case, whole) = (home.path().join("a.burstcase"), (None, None));
+        let (of_case, whole) = (home.join("a.burstcase"), (None, None));
         let (case, part) = Case::of(&burst, &search.into(), whole, "", &quiet()).expect("a case");
         let enclosed = Enclosed { session: Some("version = 3\n".repeat(20)), truth: Some(truth) };
         write_case(&of_case, (&case, &part), &enclosed, &quiet()).expect("written");

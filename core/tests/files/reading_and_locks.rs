@@ -11,7 +11,7 @@ fn files_are_read_up_to_their_limit() {
     fs::write(&path, "levels = 4\n").expect("written");
     assert_eq!(read_text(&path, 11).expect("just fits"), "levels = 4\n");
     assert_eq!(read_text(&path, 10).expect_err("too large").kind(), io::ErrorKind::FileTooLarge);
-    assert_eq!(read_text(home.path(), 10).expect_err("a folder").kind(), io::ErrorKind::InvalidInput);
+    assert_eq!(read_text(&home, 10).expect_err("a folder").kind(), io::ErrorKind::InvalidInput);
     fs::write(&path, [0xff, b'a']).expect("written");
     assert_eq!(read_text(&path, 10).expect_err("no text").kind(), io::ErrorKind::InvalidData);
     #[cfg(unix)]
@@ -33,11 +33,7 @@ fn a_newer_writer_is_said() {
     assert_eq!(explained(&older, "unknown field"), "unknown field");
     assert_eq!(explained("levels = 4", "unknown field"), "unknown field");
     let newer = "# Written by Burstscope 99.10.2\nlevels = 4\n";
-    let words = explained(newer, "unknown field");
-    assert!(
-        words.contains("99.10.2") && words.contains(env!("CARGO_PKG_VERSION")) && words.contains("unknown field"),
-        "{words}"
-    );
+    says(explained(newer, "unknown field"), &["99.10.2", env!("CARGO_PKG_VERSION"), "unknown field"]);
     assert_eq!(explained("# Written by Burstscope soon\n", "x"), "x");
 }
 
@@ -72,17 +68,17 @@ fn one_at_a_time_and_the_owner_is_named() {
         drop(first);
         lock(&folder).expect("free again");
     }
-    let of_another = FolderLock::beside(&home.path().join("b")).expect("free");
-    FolderLock::beside(&home.path().join("a")).expect("another folder's lock is no hindrance");
+    let of_another = FolderLock::beside(&home.join("b")).expect("free");
+    FolderLock::beside(&home.join("a")).expect("another folder's lock is no hindrance");
     drop(of_another);
 }
 
 #[cfg(unix)]
 #[test]
 fn nothing_is_left_but_what_was_written() {
-    let home = tempfile::tempdir().expect("a folder");
-    let names = || fs::read_dir(home.path()).expect("a folder").count();
-    let folder = home.path().join("a/b/c");
+    let home = folder();
+    let names = || fs::read_dir(&home).expect("a folder").count();
+    let folder = home.join("a/b/c");
     drop(FolderLock::take(&folder).expect("free"));
     assert_eq!(names(), 0, "folders that were made for nothing");
     let lock = FolderLock::take(&folder).expect("free");
@@ -90,8 +86,8 @@ fn nothing_is_left_but_what_was_written() {
     drop(lock);
     assert_eq!(fs::read_dir(&folder).expect("it stays").count(), 1);
     // A lock file left by a killed run is removed by the next lock there.
-    fs::write(home.path().join(".burstscope-old.lock"), "process 4711").expect("written");
-    drop(FolderLock::beside(&home.path().join("d")).expect("free"));
+    fs::write(home.join(".burstscope-old.lock"), "process 4711").expect("written");
+    drop(FolderLock::beside(&home.join("d")).expect("free"));
     assert_eq!(names(), 1);
 }
 
@@ -143,8 +139,8 @@ fn many_who_want_it_have_it_one_after_the_other() {
 fn a_link_in_place_of_the_lock_is_not_followed() {
     let (home, precious) = folder_with("thesis.txt");
     fs::write(&precious, "precious").expect("written");
-    std::os::unix::fs::symlink(&precious, home.path().join(LOCK_FILE)).expect("linked");
-    assert!(FolderLock::take(home.path()).is_err_and(|error| error.kind == ErrorKind::Unwritten));
+    std::os::unix::fs::symlink(&precious, home.join(LOCK_FILE)).expect("linked");
+    assert!(FolderLock::take(&home).is_err_and(|error| error.kind == ErrorKind::Unwritten));
     assert_eq!(fs::read_to_string(&precious).expect("there"), "precious");
 }
 

@@ -237,13 +237,11 @@ fn lines_that_are_no_poses_are_named() {
         ("1 0 0 0 0 0 0 0", "length is 0.000"),
         ("1 0 0 0 2 0 0 1", "length is 2.236"),
     ] {
-        let error = parse(&format!("0 0 0 0 0 0 0 1\n{line}\n")).expect_err(line).to_string();
-        assert!(error.contains("line 2") && error.contains(words), "{error}");
+        says(parse(&format!("0 0 0 0 0 0 0 1\n{line}\n")).expect_err(line), &["line 2", words]);
     }
     let error = parse("# nothing\n").expect_err("empty").to_string();
     assert!(error.starts_with("there is no pose in this") && error.ends_with("truth.txt"), "{error}");
-    let error = read_tum(Path::new("/nowhere/truth.txt")).expect_err("absent").to_string();
-    assert!(error.contains("no such file"), "{error}");
+    says(read_tum(Path::new("/nowhere/truth.txt")).expect_err("absent"), &["no such file"]);
 }
 
 const IMAGES: &str = "# Image list with two lines of data per image:\n\
@@ -300,9 +298,9 @@ fn written(folder: &Path, format: &str) {
 
 #[test]
 fn text_and_binary_say_the_same() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     for format in ["bin", "txt"] {
-        let folder = home.path().join(format);
+        let folder = home.join(format);
         written(&folder, format);
         let model = read_sparse_model(&folder).expect(format);
         let [first, second] = &model.images[..] else { panic!("two images") };
@@ -326,25 +324,25 @@ fn text_and_binary_say_the_same() {
 
 #[test]
 fn the_largest_part_of_a_reconstruction_is_taken() {
-    let home = tempfile::tempdir().expect("a folder");
-    written(&home.path().join("1"), "txt");
-    std::fs::create_dir(home.path().join("notes")).expect("made");
-    let small = home.path().join("0");
+    let home = folder();
+    written(&home.join("1"), "txt");
+    std::fs::create_dir(home.join("notes")).expect("made");
+    let small = home.join("0");
     written(&small, "txt");
     std::fs::write(small.join("images.txt"), "1 1 0 0 0 0 0 0 1 a.png\n\n").expect("written");
-    let model = read_sparse_model(home.path()).expect("a model");
-    assert_eq!((model.images.len(), &model.folder), (2, &home.path().join("1")));
+    let model = read_sparse_model(&home).expect("a model");
+    assert_eq!((model.images.len(), &model.folder), (2, &home.join("1")));
     assert_eq!(model.taken(), Some(format!("took {}, the largest of 2 parts", model.folder.display())));
     assert_eq!(SparseModel { other_models: 0, ..model }.taken(), None);
 }
 
 #[test]
 fn what_is_no_model_says_so() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let words = |folder: &Path| read_sparse_model(folder).expect_err("no model").to_string();
-    assert!(words(home.path()).contains("no sparse model"));
-    assert!(words(&home.path().join("gone")).contains("no such file"));
-    written(home.path(), "txt");
+    assert!(words(&home).contains("no sparse model"));
+    assert!(words(&home.join("gone")).contains("no such file"));
+    written(&home, "txt");
     for (file, text, message) in [
         ("images.txt", "# nothing\n", "no pose"),
         ("images.txt", "1 1 0 0 0 0 0 0 1\n", "line 1: it ends too early"),
@@ -356,37 +354,35 @@ fn what_is_no_model_says_so() {
         ("points3D.txt", "1 1 1 1 0 0 0\n", "line 1: it ends too early"),
         ("points3D.txt", "1 1 1 1 0 0 0 0.5 1 2 3\n", "track has 3 values"),
     ] {
-        written(home.path(), "txt");
-        std::fs::write(home.path().join(file), text).expect("written");
-        let error = words(home.path());
-        assert!(error.contains(message) && error.contains(home.path().to_str().expect("plain")), "{error}");
+        written(&home, "txt");
+        std::fs::write(home.join(file), text).expect("written");
+        says(words(&home), &[message, home.to_str().expect("plain")]);
     }
 }
 
 #[test]
 fn counts_that_cannot_be_are_not_believed() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let (mut images, mut points) = binary_files();
     points[..8].copy_from_slice(&(1u64 << 40).to_le_bytes());
-    assert!(binary(home.path(), &images, &points).contains("1099511627776"));
+    assert!(binary(&home, &images, &points).contains("1099511627776"));
     images[..8].copy_from_slice(&u64::MAX.to_le_bytes());
-    let error = binary(home.path(), &images, &points);
+    let error = binary(&home, &images, &points);
     assert!(error.starts_with("the number of images: it announces 18446744073709551615 entries"), "{error}");
     // A name without an end.
     let mut endless = binary_files().0;
     endless.truncate(8 + 4 + 56 + 4);
     endless.extend([b'a'; 10_000]);
-    let error = binary(home.path(), &endless, &points);
-    assert!(error.contains("image 1 of 2") && error.contains("4096"), "{error}");
+    says(binary(&home, &endless, &points), &["image 1 of 2", "4096"]);
 }
 
 proptest! {
     #[test]
     fn truncated_files_say_so(part in 0.0f64..1.0) {
-        let home = tempfile::tempdir().expect("a folder");
+        let home = folder();
         let (images, points) = binary_files();
         let cut = |bytes: &[u8]| bytes[..(bytes.len() as f64 * part) as usize].to_vec();
-        prop_assert!(binary(home.path(), &cut(&images), &points).contains("images.bin"));
-        prop_assert!(binary(home.path(), &images, &cut(&points)).contains("points3D.bin"));
+        prop_assert!(binary(&home, &cut(&images), &points).contains("images.bin"));
+        prop_assert!(binary(&home, &images, &cut(&points)).contains("points3D.bin"));
     }
 }

@@ -197,8 +197,7 @@ fn nonsense_is_named_and_cancelling_ends_it() {
         assert!(error.starts_with(start), "{error}");
     }
     let still = Burst::from_planes("still", vec![Plane::from_fn(64, 64, |_, _| 0.25); 4]);
-    let error = good().run(&still, &quiet()).expect_err("no noise").to_string();
-    assert!(error.contains("no noise"), "{error}");
+    says(good().run(&still, &quiet()).expect_err("no noise"), &["no noise"]);
     let monitor = Monitor::default();
     let cancel = |_| monitor.cancel();
     assert!(good().run_telling(&burst, &monitor, &cancel).is_err());

@@ -223,8 +223,8 @@ fn known_rotations_turn_the_frames_of_a_shaken_camera_to_those_of_a_still_one() 
     let shaken = made(&TrajectoryParams { bursts: 1, shake_deg: 1.5, light, ..small() });
     let mut still = shaken.clone();
     still.cameras[0].shake = Shake::default();
-    let (home, monitor) = (tempfile::tempdir().expect("a folder"), Monitor::default());
-    let way = home.path().join("way");
+    let (home, monitor) = (folder(), Monitor::default());
+    let way = home.join("way");
     write_trajectory(&way, &shaken, &monitor).expect("written");
     let folder = way.join("bursts/burst_000");
     let open = |options: OpenOptions| Burst::open_with(std::slice::from_ref(&folder), &options, &monitor);
@@ -268,8 +268,7 @@ fn known_rotations_turn_the_frames_of_a_shaken_camera_to_those_of_a_still_one() 
     }
     let refused = |list: &str, text: &str, part: &str| {
         std::fs::write(folder.join(list), text).expect("written");
-        let said = turned(list, None).expect_err("refused").to_string();
-        assert!(said.contains(part) && said.contains(list), "{said}");
+        says(turned(list, None).expect_err("refused"), &[part, list]);
     };
     refused("two.txt", "0 0 0 1\n0 0 0 1\n", "2 orientations for 5 frames");
     refused("long.txt", "0 0 0 2\n", "line 1: the quaternion has the length 2");
@@ -278,8 +277,7 @@ fn known_rotations_turn_the_frames_of_a_shaken_camera_to_those_of_a_still_one() 
     refused("other.txt", &"0 0 0 1\n1 0 0 0\n".repeat(3)[..40], "shows nothing");
     refused("none.txt", "# nothing\n", "it holds no orientation");
     std::fs::write(way.join("lens.toml"), Lens { width: 80, ..shaken.lens }.to_toml()).expect("written");
-    let said = turned("rotations.txt", None).expect_err("another size").to_string();
-    assert!(said.contains("80×120") && said.contains("160×120"), "{said}");
+    says(turned("rotations.txt", None).expect_err("another size"), &["80×120", "160×120"]);
     std::fs::remove_file(way.join("lens.toml")).expect("removed");
     assert!(turned("rotations.txt", None).expect_err("no camera").to_string().contains("there is no camera lens.toml"));
 }

@@ -15,7 +15,7 @@ fn nights(home: &Path) -> DatasetSource {
     for (name, seed) in [("a", 1), ("b", 2), ("c", 1)] {
         write_chart(&home.join("nights").join(name), seed);
     }
-    fs::write(home.join("nights/b/frame_001.png"), "broken").expect("written");
+    home.write("nights/b/frame_001.png", "broken");
     DatasetSource::of_bursts(vec![home.join("nights")])
 }
 
@@ -48,12 +48,12 @@ fn detect(bursts: &Bursts, keeping: &Keeping, monitor: &Monitor) -> (Result<(), 
 
 #[test]
 fn each_burst_is_told_of_and_what_is_finished_stays_finished() {
-    let home = tempfile::tempdir().expect("a folder");
-    let source = nights(home.path());
-    let dataset = look(home.path(), source.clone(), params());
+    let home = folder();
+    let source = nights(&home);
+    let dataset = look(&home, source.clone(), params());
     assert_eq!((dataset.bursts.len(), dataset.folder_error.as_deref(), &dataset.other_params), (3, None, &None));
     assert!(dataset.finished.iter().all(Option::is_none));
-    let keeping = keeping(home.path(), params().into());
+    let keeping = keeping(&home, params().into());
     let (end, told) = detect(&dataset.bursts, &keeping, &Monitor::default());
     assert_eq!(end, Ok(()), "the others go on");
     let (mut done, mut failed) = (Vec::new(), Vec::new());
@@ -67,11 +67,11 @@ fn each_burst_is_told_of_and_what_is_finished_stays_finished() {
     assert_eq!((done.iter().map(|(index, _)| *index).collect::<Vec<_>>(), failed), (vec![0, 2], vec![(1, true)]));
     assert!(done[0].1 >= 4 && done[0].1 == done[1].1, "{done:?}: both are the same chart");
 
-    let again = look(home.path(), source.clone(), params());
+    let again = look(&home, source.clone(), params());
     let counts: Vec<Option<usize>> = again.finished.iter().map(|f| f.as_ref().map(|f| f.features)).collect();
     assert_eq!(counts, [Some(done[0].1), None, Some(done[1].1)]);
     // With other parameters nothing is finished, and the answer holds the parameters of the features in the folder.
-    let other = look(home.path(), source, DetectorParams { levels: 3, ..params() });
+    let other = look(&home, source, DetectorParams { levels: 3, ..params() });
     assert!(other.finished.iter().all(Option::is_none));
     assert_eq!(other.other_params, Some(params().into()));
 
@@ -95,14 +95,14 @@ fn each_burst_is_told_of_and_what_is_finished_stays_finished() {
 
 #[test]
 fn parameters_that_make_no_sense_and_a_cancel_end_it_before_a_burst_is_begun() {
-    let home = tempfile::tempdir().expect("a folder");
-    let bursts = look(home.path(), nights(home.path()), params()).bursts;
+    let home = folder();
+    let bursts = look(&home, nights(&home), params()).bursts;
     let wrong = DetectorParams { levels: 0, ..params() };
-    let (end, told) = detect(&bursts, &keeping(home.path(), wrong.into()), &Monitor::default());
+    let (end, told) = detect(&bursts, &keeping(&home, wrong.into()), &Monitor::default());
     assert!(matches!(end, Err(JobError::Failed(why)) if why.contains("levels")) && told.is_empty());
     let cancelled = Monitor::default();
     cancelled.cancel();
-    let (end, told) = detect(&bursts, &keeping(home.path(), params().into()), &cancelled);
+    let (end, told) = detect(&bursts, &keeping(&home, params().into()), &cancelled);
     assert_eq!(end, Err(JobError::Cancelled));
     assert!(!told.iter().any(|event| matches!(event, DatasetEvent::Done { .. })));
 }
@@ -110,14 +110,14 @@ fn parameters_that_make_no_sense_and_a_cancel_end_it_before_a_burst_is_begun() {
 #[cfg(feature = "colmap")]
 #[test]
 fn an_export_to_a_new_folder_takes_the_features_that_are_kept() {
-    let home = tempfile::tempdir().expect("a folder");
-    let bursts = look(home.path(), nights(home.path()), params()).bursts;
-    let keeping = keeping(home.path(), params().into());
+    let home = folder();
+    let bursts = look(&home, nights(&home), params()).bursts;
+    let keeping = keeping(&home, params().into());
     assert_eq!(detect(&bursts, &keeping, &Monitor::default()).0, Ok(()));
     let report = |out: &str, params: DetectorParams| {
         let request = ColmapRequest {
-            out: home.path().join(out),
-            inputs: vec![home.path().join("nights")],
+            out: home.join(out),
+            inputs: vec![home.join("nights")],
             kept: Some(keeping.folder.clone()),
             job: ColmapJob {
                 features: FeatureJob { detector: params.into(), open: Default::default(), images: Default::default() },
@@ -134,14 +134,14 @@ fn an_export_to_a_new_folder_takes_the_features_that_are_kept() {
     };
     let exported = |out, params| report(out, params).images.iter().map(|image| image.resumed).collect::<Vec<_>>();
     assert_eq!(exported("new", params()), [true, true], "the broken burst is left out");
-    assert!(home.path().join("new/features/a.png.txt").is_file() && home.path().join("new/images/c.png").is_file());
+    assert!(home.join("new/features/a.png.txt").is_file() && home.join("new/images/c.png").is_file());
     // Features of other parameters are found anew; the dataset's own folder can be exported into too.
     assert_eq!(exported("other", DetectorParams { levels: 3, ..params() }), [false, false]);
     assert_eq!(exported("kept", params()), [true, true]);
     // A camera beside the frames of a burst is its own.
-    let (width, height) = image::image_dimensions(home.path().join("nights/c/frame_000.png")).expect("a picture");
+    let (width, height) = image::image_dimensions(home.join("nights/c/frame_000.png")).expect("a picture");
     let text = format!("model = \"SIMPLE_PINHOLE\"\nwidth = {width}\nheight = {height}\nparams = [300, 60, 40]\n");
-    let file = home.path().join("nights/c/camera.toml");
+    let file = home.join("nights/c/camera.toml");
     fs::write(&file, text).expect("written");
     let cameras = report("new", params()).cameras;
     let known: Vec<_> = cameras.iter().map(|of| (of.known, of.from.clone(), of.images.clone())).collect();

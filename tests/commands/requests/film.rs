@@ -25,8 +25,8 @@ fn of_pictures<T: Send>(film: &Film, of: impl Fn(&Drawing) -> T + Sync) -> Vec<T
         said.lock().expect("kept").push(of(drawing));
         Ok(image::RgbaImage::new(drawing.size[0] as u32, drawing.size[1] as u32))
     };
-    let folder = tempfile::tempdir().expect("a folder");
-    film.write(&folder.path().join("film.gif"), 10, &draw, &|| Ok(()), &Monitor::default()).expect("written");
+    let folder = folder();
+    film.write(&folder.join("film.gif"), 10, &draw, &|| Ok(()), &Monitor::default()).expect("written");
     said.into_inner().expect("kept")
 }
 
@@ -79,8 +79,7 @@ fn a_step_shows_its_numbers_and_how_many_of_its_features_are_drawn() {
     let crowded = Detection { features: vec![found.features[0]; 100], ..Detection::clone(&found) };
     let slope = found.features[0].motion().0;
     let film = Film { sweep: Sweep::SlopeU(slope.u, slope.u, 1), slope, detection: Some(Arc::new(crowded)), ..film };
-    let texts = texts_of(&film).join(" ");
-    assert!(texts.contains(": 2 of 100 features"), "{texts}");
+    says(texts_of(&film).join(" "), &[": 2 of 100 features"]);
 }
 
 #[test]

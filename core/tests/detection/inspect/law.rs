@@ -273,16 +273,16 @@ fn the_faint_discs_of_the_example_are_lost_to_the_gate() {
 
 #[test]
 fn the_truth_beside_a_burst_is_found_and_a_wrong_one_refused() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     let (burst, truth) = chart();
-    let folder = home.path().join("chart");
+    let folder = home.join("chart");
     write_burst(&folder, &burst, &truth, &quiet()).expect("written");
     let opened = Burst::open(&folder).expect("a burst");
     // Numbers are equal up to the last bit.
     let read = truth_of(&opened).expect("sound").expect("there");
     assert_eq!((read.width, read.seed, read.features.len()), (truth.width, truth.seed, truth.features.len()));
     assert!(read.features.iter().zip(&truth.features).all(|(a, b)| (a.u - b.u).abs() < 1e-9 && a.id == b.id));
-    let elsewhere = Burst { sources: vec![home.path().to_path_buf()], ..opened.clone() };
+    let elsewhere = Burst { sources: vec![home.to_path_buf()], ..opened.clone() };
     assert_eq!(truth_of(&elsewhere), Ok(None));
     assert!(
         truth_of(&demo_burst()).expect("known").is_some() && truth_of(&later_demo_burst()).expect("known").is_none()
@@ -293,7 +293,7 @@ fn the_truth_beside_a_burst_is_found_and_a_wrong_one_refused() {
     fs::write(folder.join("truth.json"), "{").expect("written");
     let error = truth_of(&opened).expect_err("broken").to_string();
     assert!(error.contains("truth.json") && error.contains("burstscope synth"), "{error}");
-    assert!(read_truth(&home.path().join("gone.json")).is_err_and(|error| error.problem.starts_with("cannot be read")));
+    assert!(read_truth(&home.join("gone.json")).is_err_and(|error| error.problem.starts_with("cannot be read")));
 }
 
 #[test]

@@ -70,8 +70,7 @@ fn a_search_that_fits_needs_no_advice() {
     assert_eq!(spectrum.advice, [], "{:#?}", spectrum.advice);
     assert!(spectrum.features > 20);
     assert!((spectrum.most_features().expect("features").u - 1.2).abs() <= 0.5);
-    let text = spectrum_text(&spectrum, "moving");
-    assert!(text.contains("the slopes fit the burst"), "{text}");
+    says(spectrum_text(&spectrum, "moving"), &["the slopes fit the burst"]);
 }
 
 #[test]

@@ -197,8 +197,7 @@ fn a_camera_is_read_back_from_text_and_nonsense_says_what_is_right() {
         ("PINHOLE 0 6 1 2 3 4", "size of its images"),
         ("SIMPLE_RADIAL 8 6 5 4 3 nan", "k is NaN"),
     ] {
-        let error = text.parse::<Camera>().expect_err(words);
-        assert!(error.contains(words), "{error}");
+        says(text.parse::<Camera>().expect_err(words), &[words]);
     }
 }
 

@@ -6,15 +6,15 @@ use burstscope_core::plane::blur::*;
 
 #[test]
 fn a_folder_is_ours_as_long_as_nobody_changes_it() {
-    let home = tempfile::tempdir().expect("a folder");
-    let at = |name: &str| home.path().join(name);
+    let home = folder();
+    let at = |name: &str| home.join(name);
     fs::create_dir(at("deep")).expect("made");
     for name in ["a.png", "deep/b.png"] {
         fs::write(at(name), name).expect("written");
     }
-    let is_ours = |kind| is_unchanged(home.path(), kind).expect("it can be read");
+    let is_ours = |kind| is_unchanged(&home, kind).expect("it can be read");
     assert!(!is_ours(OutputKind::Burst), "it has no mark");
-    seal_folder(home.path(), OutputKind::Burst).expect("marked");
+    seal_folder(&home, OutputKind::Burst).expect("marked");
     assert!(
         is_ours(OutputKind::Burst) && !is_ours(OutputKind::Trajectory) && has_mark(&at(OutputKind::Burst.file()), true)
     );
@@ -39,14 +39,14 @@ fn a_folder_is_ours_as_long_as_nobody_changes_it() {
 
 #[test]
 fn claims_come_back_with_all_their_digits_or_not_at_all() {
-    let home = tempfile::tempdir().expect("a folder");
+    let home = folder();
     // Numbers whose last digit a reader of JSON may lose.
     let numbers: Vec<f64> = (1..200).map(|n| (n as f64).sqrt() * 1e-7).collect();
-    fs::write(home.path().join(OutputKind::Dataset.file()), claiming(OutputKind::Dataset, &numbers)).expect("written");
-    let read: Vec<f64> = claims(home.path(), OutputKind::Dataset).expect("whole");
+    fs::write(home.join(OutputKind::Dataset.file()), claiming(OutputKind::Dataset, &numbers)).expect("written");
+    let read: Vec<f64> = claims(&home, OutputKind::Dataset).expect("whole");
     assert!(read.iter().zip(&numbers).all(|(a, b)| (a - b).abs() < 1e-20) && read.len() == numbers.len());
-    assert_eq!(claims::<Vec<f64>>(home.path(), OutputKind::Figures), None);
-    assert_eq!(claims::<String>(home.path(), OutputKind::Dataset), None);
+    assert_eq!(claims::<Vec<f64>>(&home, OutputKind::Figures), None);
+    assert_eq!(claims::<String>(&home, OutputKind::Dataset), None);
 }
 
 #[test]

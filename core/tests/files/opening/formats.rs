@@ -9,7 +9,7 @@ use ndarray::ShapeBuilder;
 fn lossless_pictures_of_8_bit_are_exact() {
     let folder = folder();
     for name in ["a.png", "a.bmp", "a.pgm", "a.tiff", "A.PNG"] {
-        let path = folder.path().join(name);
+        let path = folder.join(name);
         save(&path, &grey8(5, 4, 30));
         let burst = Burst::open(&path).expect(name);
         assert_eq!((burst.len(), burst.size(), burst.full_scale), (1, (5, 4), 255.0), "{name}");
@@ -22,7 +22,7 @@ fn lossless_pictures_of_8_bit_are_exact() {
         }
     }
     // Grey is exact as a colour too, whatever its alpha.
-    let [rgb, rgba, grey_alpha] = ["rgb.png", "rgba.png", "la.png"].map(|name| folder.path().join(name));
+    let [rgb, rgba, grey_alpha] = ["rgb.png", "rgba.png", "la.png"].map(|name| folder.join(name));
     save(&rgb, &ImageBuffer::from_fn(256, 1, |u, _| Rgb([u as u8; 3])));
     save(&rgba, &ImageBuffer::from_fn(256, 1, |u, _| Rgba([u as u8, u as u8, u as u8, 255 - u as u8])));
     save(&grey_alpha, &ImageBuffer::from_fn(256, 1, |u, _| LumaA([u as u8, 7])));
@@ -38,7 +38,7 @@ fn pictures_of_16_bit_are_exact() {
     let values: Vec<u16> = vec![0, 1, 255, 256, 4095, 65535];
     let image: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_raw(3, 2, values.clone()).expect("six values");
     for name in ["a.png", "a.pgm", "a.tif"] {
-        let path = folder.path().join(name);
+        let path = folder.join(name);
         save(&path, &image);
         let burst = Burst::open(&path).expect(name);
         assert_eq!((burst.full_scale, burst.quantisation_step), (65535.0, 1.0 / 65535.0), "{name}");
@@ -58,21 +58,21 @@ fn colour_becomes_luma_and_alpha_is_ignored() {
         Rgba([r, g, b, 60 * u as u8])
     });
     for name in ["a.png", "a.bmp", "a.ppm", "a.webp", "a.tif"] {
-        save(&folder.path().join(name), &rgb);
-        assert_close(Burst::open(folder.path().join(name)).expect(name).frames[0].data(), &expected);
+        save(&folder.join(name), &rgb);
+        assert_close(Burst::open(folder.join(name)).expect(name).frames[0].data(), &expected);
     }
     for name in ["b.png", "b.webp", "b.tif"] {
-        save(&folder.path().join(name), &rgba);
-        assert_close(Burst::open(folder.path().join(name)).expect(name).frames[0].data(), &expected);
+        save(&folder.join(name), &rgba);
+        assert_close(Burst::open(folder.join(name)).expect(name).frames[0].data(), &expected);
     }
     let deep = ImageBuffer::from_fn(4, 1, |u, _| Rgb(colours[u as usize].map(|c| u16::from(c) * 257)));
     for name in ["c.png", "c.tif"] {
-        save(&folder.path().join(name), &deep);
-        assert_close(Burst::open(folder.path().join(name)).expect(name).frames[0].data(), &expected);
+        save(&folder.join(name), &deep);
+        assert_close(Burst::open(folder.join(name)).expect(name).frames[0].data(), &expected);
     }
     let grey_alpha = ImageBuffer::from_fn(3, 1, |u, _| LumaA([100 * u as u8, 7]));
-    save(&folder.path().join("d.png"), &grey_alpha);
-    let burst = Burst::open(folder.path().join("d.png")).expect("grey with alpha");
+    save(&folder.join("d.png"), &grey_alpha);
+    let burst = Burst::open(folder.join("d.png")).expect("grey with alpha");
     assert_eq!(burst.frames[0].data(), [0.0, 100.0 / 255.0, 200.0 / 255.0]);
 }
 
@@ -275,17 +275,17 @@ fn stack(path: &Path) {
 fn a_folder_is_read_in_natural_order_without_what_is_no_picture() {
     let folder = folder();
     for t in [10, 2, 1, 9, 100] {
-        save(&folder.path().join(format!("frame_{t}.png")), &grey8(3, 2, t));
+        save(&folder.join(format!("frame_{t}.png")), &grey8(3, 2, t));
     }
     for other in ["calib.txt", "truth.json", "features.csv", ".hidden.png", "notes"] {
-        fs::write(folder.path().join(other), "no picture").expect("written");
+        fs::write(folder.join(other), "no picture").expect("written");
     }
-    fs::create_dir(folder.path().join("results")).expect("made");
-    save(&folder.path().join("results/a.png"), &grey8(9, 9, 0));
-    let burst = Burst::open(folder.path()).expect("opens");
+    fs::create_dir(folder.join("results")).expect("made");
+    save(&folder.join("results/a.png"), &grey8(9, 9, 0));
+    let burst = Burst::open(&folder).expect("opens");
     assert_eq!(first_values(&burst), [1, 2, 9, 10, 100]);
     assert_eq!(burst.frame_names[3], "frame_10.png");
-    assert_eq!(burst.name, folder.path().file_name().expect("named").to_string_lossy());
+    assert_eq!(burst.name, folder.file_name().expect("named").to_string_lossy());
     assert!(burst.sources[0].is_absolute());
 }
 
@@ -293,13 +293,13 @@ fn a_folder_is_read_in_natural_order_without_what_is_no_picture() {
 fn named_files_keep_the_order_in_which_they_are_named() {
     let folder = folder();
     let order = [5, 1, 2, 4, 3];
-    let files: Vec<PathBuf> = order.iter().map(|t| folder.path().join(format!("{t}.png"))).collect();
+    let files: Vec<PathBuf> = order.iter().map(|t| folder.join(format!("{t}.png"))).collect();
     for (path, t) in files.iter().zip(order) {
         save(path, &grey8(3, 2, t));
     }
     let burst = open(&files).expect("opens");
     assert_eq!(first_values(&burst), [5, 1, 2, 4, 3]);
-    assert_eq!(burst.name, folder.path().file_name().expect("named").to_string_lossy());
+    assert_eq!(burst.name, folder.file_name().expect("named").to_string_lossy());
     assert_eq!(first_values(&open(&burst.sources).expect("opens again")), [5, 1, 2, 4, 3]);
     assert_eq!(open(&files[..1]).expect("one").name, "5");
 }
@@ -308,14 +308,14 @@ fn named_files_keep_the_order_in_which_they_are_named() {
 fn a_dataset_is_a_folder_of_burst_folders() {
     let folder = folder();
     for name in ["burst10", "burst2", "burst1"] {
-        fs::create_dir(folder.path().join(name)).expect("made");
-        save(&folder.path().join(name).join("1.png"), &grey8(3, 2, 0));
+        fs::create_dir(folder.join(name)).expect("made");
+        save(&folder.join(name).join("1.png"), &grey8(3, 2, 0));
     }
-    fs::create_dir(folder.path().join("empty")).expect("made");
-    fs::create_dir(folder.path().join(".git")).expect("made");
-    save(&folder.path().join(".git/1.png"), &grey8(3, 2, 0));
-    fs::write(folder.path().join("README.md"), "text").expect("written");
-    let dataset = [folder.path().to_path_buf()];
+    fs::create_dir(folder.join("empty")).expect("made");
+    fs::create_dir(folder.join(".git")).expect("made");
+    save(&folder.join(".git/1.png"), &grey8(3, 2, 0));
+    fs::write(folder.join("README.md"), "text").expect("written");
+    let dataset = [folder.to_path_buf()];
     assert_eq!(names(&dataset), ["burst1", "burst2", "burst10"]);
     for source in find_bursts(&dataset, &OpenOptions::default()).expect("bursts") {
         assert_eq!(open(&source.paths).expect("opens").name, source.name);
@@ -328,13 +328,13 @@ fn a_dataset_is_a_folder_of_burst_folders() {
 fn of_bursts_a_folder_too_deep_the_folders_above_are_told() {
     let folder = folder();
     for name in ["left/burst_0", "left/burst_1", "right/burst_0", "notes"] {
-        fs::create_dir_all(folder.path().join(name)).expect("made");
+        fs::create_dir_all(folder.join(name)).expect("made");
         if name != "notes" {
-            save(&folder.path().join(name).join("1.png"), &grey8(3, 2, 0));
+            save(&folder.join(name).join("1.png"), &grey8(3, 2, 0));
         }
     }
-    let error = find_bursts(&[folder.path().to_path_buf()], &OpenOptions::default()).expect_err("too deep");
-    let [left, right] = ["left", "right"].map(|name| folder.path().join(name));
+    let error = find_bursts(&[folder.to_path_buf()], &OpenOptions::default()).expect_err("too deep");
+    let [left, right] = ["left", "right"].map(|name| folder.join(name));
     let given = format!("give the folders above them, such as {} {}", left.display(), right.display());
     assert_eq!(error.remedy, format!("bursts lie a folder deeper: {given}"));
     assert_eq!(names(&[left, right]), ["burst_0", "burst_1", "burst_0-2"]);
@@ -344,9 +344,9 @@ fn of_bursts_a_folder_too_deep_the_folders_above_are_told() {
 fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
     let folder = folder();
     for t in 0..12 {
-        save(&folder.path().join(format!("f{t}.png")), &grey8(3, 2, t));
+        save(&folder.join(format!("f{t}.png")), &grey8(3, 2, t));
     }
-    let sequence = &find_bursts(&[folder.path().to_path_buf()], &OpenOptions::default()).expect("one sequence")[0];
+    let sequence = &find_bursts(&[folder.to_path_buf()], &OpenOptions::default()).expect("one sequence")[0];
     let cut = SequenceCut::new(5, None).expect("a cut");
     let bursts = cut_sequence(sequence, cut, &OpenOptions::default()).expect("two bursts");
     assert_eq!(bursts.iter().map(|b| b.name.as_str()).collect::<Vec<_>>(), ["f2", "f7"]);
@@ -356,7 +356,7 @@ fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
         cut_sequence(sequence, SequenceCut::new(1, None).expect("a cut"), &OpenOptions::default()).expect("twelve");
     assert_eq!(first_values(&open(&frames[10].paths).expect("opens")), [10]);
     // Frames in one file are not cut.
-    let path = folder.path().join("film.tif");
+    let path = folder.join("film.tif");
     stack(&path);
     let film = BurstFiles { name: "film".into(), paths: vec![path.clone()] };
     let error = cut_sequence(&film, cut, &OpenOptions::default()).expect_err("a stack");
@@ -371,29 +371,29 @@ fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
 #[test]
 fn several_stacks_are_several_bursts() {
     let folder = folder();
-    let paths = [folder.path().join("b.tif"), folder.path().join("a.npy")];
+    let paths = [folder.join("b.tif"), folder.join("a.npy")];
     stack(&paths[0]);
     ndarray_npy::write_npy(&paths[1], &ndarray::Array3::<u8>::zeros((3, 2, 2))).expect("written");
     assert_eq!(names(&paths), ["b", "a"]);
-    assert_eq!(names(&[folder.path().to_path_buf()]), ["a", "b"]);
+    assert_eq!(names(&[folder.to_path_buf()]), ["a", "b"]);
     // A stack alone in its folder is the folder's burst, and has the folder's name.
     fs::remove_file(&paths[1]).expect("removed");
-    let burst = Burst::open(folder.path()).expect("opens");
-    assert_eq!((burst.len(), burst.name), (2, folder.path().file_name().expect("name").to_string_lossy().into_owned()));
+    let burst = Burst::open(&folder).expect("opens");
+    assert_eq!((burst.len(), burst.name), (2, folder.file_name().expect("name").to_string_lossy().into_owned()));
     // Beside single pictures it would be both a frame and a burst.
-    let picture = folder.path().join("1.png");
+    let picture = folder.join("1.png");
     save(&picture, &grey8(2, 1, 0));
     let error = open(&[picture, paths[0].clone()]).expect_err("mixed");
     let named = paths[0].display().to_string();
     assert!(error.problem.contains("this one holds several frames itself") && error.subject == named, "{error}");
-    let error = Burst::open(folder.path()).expect_err("mixed");
+    let error = Burst::open(&folder).expect_err("mixed");
     assert!(error.problem.contains("frames itself") && error.subject == named, "{error}");
 }
 
 #[test]
 fn bursts_of_one_name_are_numbered() {
     let folder = folder();
-    let inputs: Vec<PathBuf> = ["a/night", "b/Night", "c/night"].iter().map(|p| folder.path().join(p)).collect();
+    let inputs: Vec<PathBuf> = ["a/night", "b/Night", "c/night"].iter().map(|p| folder.join(p)).collect();
     for path in &inputs {
         fs::create_dir_all(path).expect("made");
         save(&path.join("1.png"), &grey8(2, 1, 0));
@@ -404,18 +404,18 @@ fn bursts_of_one_name_are_numbered() {
 #[test]
 fn folders_without_a_last_name_have_one() {
     let folder = folder();
-    save(&folder.path().join("1.png"), &grey8(2, 1, 0));
-    fs::create_dir(folder.path().join("sub")).expect("made");
-    let name = folder.path().file_name().expect("named").to_string_lossy().into_owned();
-    assert_eq!(names(&[folder.path().join("sub/..")]), [name.as_str()]);
-    assert_eq!(names(&[folder.path().join(".")]), [name]);
+    save(&folder.join("1.png"), &grey8(2, 1, 0));
+    fs::create_dir(folder.join("sub")).expect("made");
+    let name = folder.file_name().expect("named").to_string_lossy().into_owned();
+    assert_eq!(names(&[folder.join("sub/..")]), [name.as_str()]);
+    assert_eq!(names(&[folder.join(".")]), [name]);
 }
 
 #[test]
 fn every_supported_ending_can_be_opened() {
     let folder = folder();
     for extension in supported_extensions() {
-        let path = folder.path().join(format!("a.{extension}"));
+        let path = folder.join(format!("a.{extension}"));
         match extension {
             "npy" => ndarray_npy::write_npy(&path, &ndarray::Array2::<u8>::zeros((2, 3))).expect("written"),
             "ppm" => save(&path, &image::RgbImage::new(3, 2)),
@@ -429,7 +429,7 @@ fn every_supported_ending_can_be_opened() {
             "png" | "tif" | "tiff" | "jpg" | "jpeg" | "pgm" | "bmp" => save(&path, &image::GrayImage::new(3, 2)),
             // Extensions of raw files, which have separate tests; the kind is recognised by the content.
             _ => {
-                let png = folder.path().join("really.png");
+                let png = folder.join("really.png");
                 save(&png, &image::GrayImage::new(3, 2));
                 fs::rename(&png, &path).expect("renamed");
             }
@@ -442,7 +442,7 @@ fn every_supported_ending_can_be_opened() {
         "fits", "fit", "fts", "fz", "ser", "y4m", "npz", "mp4", "mkv", "avi", "mov", "webm", "mpg", "gif", "raw",
         "bin", "dat", "bag", "mcap", "db3",
     ];
-    let together = Burst::open(folder.path()).expect("all together");
+    let together = Burst::open(&folder).expect("all together");
     assert_eq!(together.len() + apart.len(), supported_extensions().len());
     assert!(together.frame_names.iter().all(|name| !apart.iter().any(|end| name.ends_with(&format!(".{end}")))));
 }
@@ -450,10 +450,10 @@ fn every_supported_ending_can_be_opened() {
 #[test]
 fn the_content_tells_the_kind_not_the_name() {
     let (folder, path) = folder_with("really_a_png.jpg");
-    save(&folder.path().join("a.png"), &grey8(3, 2, 0));
-    fs::rename(folder.path().join("a.png"), &path).expect("renamed");
+    save(&folder.join("a.png"), &grey8(3, 2, 0));
+    fs::rename(folder.join("a.png"), &path).expect("renamed");
     assert_eq!(Burst::open(&path).expect("opens").size(), (3, 2));
-    let odd = folder.path().join("no_ending");
+    let odd = folder.join("no_ending");
     fs::copy(&path, &odd).expect("copied");
     assert_eq!(Burst::open(&odd).expect("opens").size(), (3, 2));
 }

@@ -12,7 +12,7 @@ pub fn samples() -> &'static [(&'static str, Vec<u8>)] {
     static SAMPLES: OnceLock<Vec<(&'static str, Vec<u8>)>> = OnceLock::new();
     SAMPLES.get_or_init(|| {
         let folder = folder();
-        let at = |name: &str| folder.path().join(name);
+        let at = |name: &str| folder.join(name);
         let deep: ImageBuffer<Luma<u16>, _> = ImageBuffer::from_fn(9, 7, |u, v| Luma([(u * 5000 + v * 977) as u16]));
         let colour = ImageBuffer::from_fn(9, 7, |u, v| Rgb([(u * 20) as u8, (v * 30) as u8, (u * v) as u8]));
         let names = ["8.png", "8.jpg", "8.bmp", "8.pgm", "8.tif"];
@@ -79,7 +79,7 @@ fn seeds() -> &'static [(&'static str, Vec<u8>)] {
 /// Opens the bytes as a file; limits are small, so that a wrong size cannot slow the test down.
 fn open(name: &str, bytes: &[u8]) -> Result<Burst, Error> {
     let folder = folder();
-    let path = folder.path().join(name);
+    let path = folder.join(name);
     fs::write(&path, bytes).expect("written");
     let limits = Limits { max_side_px: 512, max_pixels: 1 << 16, max_frames: 16, max_bytes: 1 << 22 };
     Burst::open_with(&[path], &OpenOptions { limits, ..needed(name) }, &quiet())
@@ -140,7 +140,7 @@ fn a_part_of_each_sample_is_that_of_the_whole_however_long_it_is() {
     let mut several = 0;
     for (name, bytes) in samples() {
         let folder = folder();
-        let path = folder.path().join(name);
+        let path = folder.join(name);
         fs::write(&path, bytes).expect("written");
         let opened = |take: &str, max_frames: usize| {
             let limits = Limits { max_frames, ..Limits::default() };
@@ -172,16 +172,16 @@ fn a_part_of_each_sample_is_that_of_the_whole_however_long_it_is() {
     assert!(several > 12, "{several} samples hold several frames");
     // Of a folder it is a part of its files.
     let folder = folder();
-    (0..5u8).for_each(|t| save(&folder.path().join(format!("{t}.png")), &grey8(9, 7, t)));
+    (0..5u8).for_each(|t| save(&folder.join(format!("{t}.png")), &grey8(9, 7, t)));
     let options = OpenOptions { take: "3..4".parse().ok(), ..OpenOptions::default() };
-    let part = Burst::open_with(&[folder.path().into()], &options, &quiet()).expect("a part");
+    let part = Burst::open_with(&[folder.to_path_buf()], &options, &quiet()).expect("a part");
     assert_eq!((part.len(), &*part.frame_names[0]), (1, "3.png"));
     // A bias frame is taken whole.
     let bias = super::support::folder();
-    save(&bias.path().join("bias.png"), &grey8(9, 7, 0));
-    let with_bias = OpenOptions { bias: Some(bias.path().join("bias.png")), ..options.clone() };
-    Burst::open_with(&[folder.path().into()], &with_bias, &quiet()).expect("a part with a bias frame");
-    let info = Info::of(&[folder.path().into()], &options, &quiet()).expect("described");
+    save(&bias.join("bias.png"), &grey8(9, 7, 0));
+    let with_bias = OpenOptions { bias: Some(bias.join("bias.png")), ..options.clone() };
+    Burst::open_with(&[folder.to_path_buf()], &with_bias, &quiet()).expect("a part with a bias frame");
+    let info = Info::of(&[folder.to_path_buf()], &options, &quiet()).expect("described");
     assert!(info.frames == 1 && info.taken.contains(&"the frames 3..4 are taken".to_owned()), "{info:?}");
 }
 

@@ -106,8 +106,8 @@ fn failure(path: &Path) -> Error {
 }
 
 /// A file with these bytes, which goes with the folder.
-fn written(folder: &tempfile::TempDir, name: &str, bytes: &[u8]) -> PathBuf {
-    let path = folder.path().join(name);
+fn written(folder: &Folder, name: &str, bytes: &[u8]) -> PathBuf {
+    let path = folder.join(name);
     fs::write(&path, bytes).expect("written");
     path
 }
@@ -196,7 +196,7 @@ fn what_unpacks_to_far_more_than_its_length_is_refused() {
     Connection::open(&path).and_then(|rows| rows.execute(changed, [zeros_by_zstd(1 << 30)])).expect("changed");
     refused(&path);
     // Work that was cancelled ends before.
-    for path in ["one.mcap", "rows.db3"].map(|name| home.path().join(name)) {
+    for path in ["one.mcap", "rows.db3"].map(|name| home.join(name)) {
         let error = Info::of(&[path], &OpenOptions::default(), &cancelled()).expect_err("cancelled");
         assert!(error.is_cancelled(), "{error}");
     }
@@ -224,13 +224,12 @@ fn what_lies_beside_a_database_and_is_not_read_is_said() {
     let recorder = Connection::open(&path).expect("opened");
     recorder.pragma_update(None, "journal_mode", "WAL").expect("a log");
     recorder.execute("DELETE FROM messages WHERE timestamp = (SELECT max(timestamp) FROM messages)", []).expect("done");
-    let told = notes();
-    assert!(told.contains("messages in 'rows.db3-wal' beside it are not read"), "{told}");
+    says(notes(), &["messages in 'rows.db3-wal' beside it are not read"]);
     // Once it is taken in, there is nothing to say.
     drop(recorder);
     assert!(!notes().contains("-wal"));
     let path = written(&home, "other.db3", &sample_of("sqlite.db3"));
-    let journal = home.path().join("other.db3-journal");
+    let journal = home.join("other.db3-journal");
     fs::write(&journal, [0; 512]).expect("written");
     assert!(info(&path).is_ok(), "the write was finished");
     fs::write(&journal, [&b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7"[..], &[0; 504]].concat()).expect("written");
@@ -241,7 +240,7 @@ fn what_lies_beside_a_database_and_is_not_read_is_said() {
 #[test]
 fn a_list_of_files_names_each_once_and_not_too_many() {
     let home = folder();
-    fs::write(home.path().join("a.db3"), sample_of("sqlite.db3")).expect("written");
+    fs::write(home.join("a.db3"), sample_of("sqlite.db3")).expect("written");
     let listed = |files: &str| {
         let text = format!("rosbag2_bagfile_information:\n  relative_file_paths:\n{files}");
         failure(&written(&home, "metadata.yaml", text.as_bytes())).to_string()
@@ -257,21 +256,21 @@ fn a_list_of_files_names_each_once_and_not_too_many() {
 fn a_pipe_in_the_place_of_a_file_is_not_waited_for() {
     let home = folder();
     let pipe = |name: &str| {
-        let path = home.path().join(name);
+        let path = home.join(name);
         rustix::fs::mkfifoat(rustix::fs::CWD, &path, rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR).expect("made");
         path
     };
-    fs::write(home.path().join("a.db3"), sample_of("sqlite.db3")).expect("written");
+    fs::write(home.join("a.db3"), sample_of("sqlite.db3")).expect("written");
     let list = pipe("metadata.yaml");
     assert!(failure(&list).to_string().contains("regular file"));
-    assert_eq!(open_with(home.path(), &OpenOptions::default()).expect("the database").len(), 5);
+    assert_eq!(open_with(&home, &OpenOptions::default()).expect("the database").len(), 5);
     fs::remove_file(&list).expect("removed");
     let listed = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - pipe.db3\n";
     fs::write(&list, listed).expect("written");
     let pipe = pipe("pipe.db3");
-    assert!(failure(home.path()).to_string().contains("regular file"));
+    assert!(failure(&home).to_string().contains("regular file"));
     let times = OpenOptions { times: pipe.to_str().and_then(|path| path.parse().ok()), ..OpenOptions::default() };
-    assert!(open_with(&home.path().join("a.db3"), &times).is_err());
+    assert!(open_with(&home.join("a.db3"), &times).is_err());
 }
 
 proptest! {

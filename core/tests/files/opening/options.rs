@@ -8,7 +8,7 @@ use std::sync::Mutex;
 #[test]
 fn a_bias_is_subtracted_in_file_units_and_negative_values_stay() {
     let folder = folder();
-    let at = |name: &str| folder.path().join(name);
+    let at = |name: &str| folder.join(name);
     tiff_pages::<colortype::Gray16>(&at("burst.tif"), (2, 1), &[vec![256, 250], vec![1256, 65535]]);
     let expected = [[0.0, -6.0 / 65535.0], [1000.0 / 65535.0, 65279.0 / 65535.0]];
     // One frame of 16 bit, a stack with the same mean, a mean of floats.
@@ -30,7 +30,7 @@ fn a_bias_is_subtracted_in_file_units_and_negative_values_stay() {
 #[test]
 fn a_bias_of_float_files_is_in_their_unit() {
     let folder = folder();
-    let (path, bias) = (folder.path().join("a.npy"), folder.path().join("bias.npy"));
+    let (path, bias) = (folder.join("a.npy"), folder.join("bias.npy"));
     write_npy(&path, &Array3::from_shape_vec((1, 1, 2), vec![100.0f32, 500.0]).expect("two values")).expect("written");
     write_npy(&bias, &Array2::from_elem((1, 2), 100.0f32)).expect("written");
     let burst = open_with(&path, &OpenOptions { bias: Some(bias), ..OpenOptions::default() }).expect("opens");
@@ -41,7 +41,7 @@ fn a_bias_of_float_files_is_in_their_unit() {
 #[test]
 fn a_bias_must_fit_and_its_errors_name_it() {
     let folder = folder();
-    let at = |name: &str| folder.path().join(name);
+    let at = |name: &str| folder.join(name);
     save(&at("a.png"), &grey8(3, 2, 0));
     save(&at("bias.png"), &grey8(2, 3, 0));
     let options = |name: &str| OpenOptions { bias: Some(at(name)), ..OpenOptions::default() };
@@ -68,7 +68,7 @@ fn a_full_scale_of_ones_own() {
 #[test]
 fn no_option_makes_values_that_are_not_finite() {
     let folder = folder();
-    let (path, bias) = (folder.path().join("a.npy"), folder.path().join("bias.npy"));
+    let (path, bias) = (folder.join("a.npy"), folder.join("bias.npy"));
     write_npy(&path, &Array3::from_shape_vec((1, 1, 3), vec![-1e38f32, -3e38, 1e38]).expect("values"))
         .expect("written");
     write_npy(&bias, &Array2::from_elem((1, 3), 3e38f32)).expect("written");
@@ -103,7 +103,7 @@ fn converters_are_suggested_by_what_the_values_need() {
         (&[0, 16, 1600], None),
         (&[0, 0], None),
     ] {
-        let path = folder.path().join("a.tif");
+        let path = folder.join("a.tif");
         let bright = values.iter().map(|value| value * 2 + 1).collect();
         tiff_pages::<colortype::Gray16>(&path, (values.len() as u32, 1), &[values.to_vec()]);
         assert_eq!(
@@ -124,7 +124,7 @@ fn converters_are_suggested_by_what_the_values_need() {
 #[test]
 fn a_mask_is_one_for_all_frames_or_one_for_each() {
     let folder = folder();
-    let at = |name: &str| folder.path().join(name);
+    let at = |name: &str| folder.join(name);
     for name in ["night", "masks/night", "flat masks", "own"] {
         fs::create_dir_all(at(name)).expect("made");
     }
@@ -157,7 +157,7 @@ fn a_mask_is_one_for_all_frames_or_one_for_each() {
 #[test]
 fn a_mask_hides_0_alone_and_greys_and_labels_are_told() {
     let folder = folder();
-    let at = |name: &str| folder.path().join(name);
+    let at = |name: &str| folder.join(name);
     fs::create_dir(at("night")).expect("made");
     for t in 0..2 {
         save(&at(&format!("night/{t}.png")), &grey8(40, 2, 40 * t));
@@ -204,7 +204,7 @@ fn a_mask_hides_0_alone_and_greys_and_labels_are_told() {
 #[test]
 fn a_bad_mask_is_an_error_with_its_name() {
     let folder = folder();
-    let at = |name: &str| folder.path().join(name);
+    let at = |name: &str| folder.join(name);
     for name in ["night", "few", "empty"] {
         fs::create_dir(at(name)).expect("made");
     }
@@ -234,7 +234,7 @@ fn a_bad_mask_is_an_error_with_its_name() {
 #[test]
 fn pixels_without_a_value_and_saturated_ones_are_masked() {
     let folder = folder();
-    let (path, flat) = (folder.path().join("a.npy"), folder.path().join("flat.npy"));
+    let (path, flat) = (folder.join("a.npy"), folder.join("flat.npy"));
     let mut stack = Array3::from_elem((2, 3, 4), 0.25f32);
     (stack[[0, 1, 2]], stack[[1, 0, 0]]) = (f32::NAN, 1.0);
     write_npy(&path, &stack).expect("written");
@@ -251,9 +251,9 @@ fn pixels_without_a_value_and_saturated_ones_are_masked() {
     write_npy(&flat, &of_flat).expect("written");
     let flattened = open_with(&path, &OpenOptions { flat: Some(flat), ..OpenOptions::default() }).expect("opens");
     assert_eq!(seen(&flattened)[1].iter().position(|seen| !seen), Some(11));
-    tiff_pages::<colortype::Gray16>(&folder.path().join("a.tif"), (3, 1), &[vec![4094, 4095, 7]]);
+    tiff_pages::<colortype::Gray16>(&folder.join("a.tif"), (3, 1), &[vec![4094, 4095, 7]]);
     let options = OpenOptions { mask_saturated: true, full_scale: Some(4095.0), ..OpenOptions::default() };
-    assert_eq!(seen(&open_with(&folder.path().join("a.tif"), &options).expect("opens")), [[true, false, true]]);
+    assert_eq!(seen(&open_with(&folder.join("a.tif"), &options).expect("opens")), [[true, false, true]]);
     // A frame of which nothing is left.
     stack.index_axis_mut(ndarray::Axis(0), 1).fill(f32::NAN);
     write_npy(&path, &stack).expect("written");
@@ -265,12 +265,12 @@ fn pixels_without_a_value_and_saturated_ones_are_masked() {
 fn progress_counts_frames() {
     let folder = folder();
     for t in 0..8 {
-        save(&folder.path().join(format!("{t}.png")), &grey8(3, 2, t));
+        save(&folder.join(format!("{t}.png")), &grey8(3, 2, t));
     }
     let heard = Arc::new(Mutex::new(Vec::new()));
     let sink = heard.clone();
     let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push(p.fraction));
-    Burst::open_with(&[folder.path().into()], &OpenOptions::default(), &monitor).expect("opens");
+    Burst::open_with(&[folder.to_path_buf()], &OpenOptions::default(), &monitor).expect("opens");
     let mut heard = heard.lock().expect("not poisoned").clone();
     heard.sort_by(f32::total_cmp); // threads may report in any order
     let expected: Vec<f32> = (0..=8).map(|n| n as f32 / 8.0).collect();
@@ -280,12 +280,12 @@ fn progress_counts_frames() {
 #[test]
 fn cancelling_stops_between_frames_of_folders_and_of_stacks() {
     let folder = folder();
-    fs::create_dir(folder.path().join("frames")).expect("made");
+    fs::create_dir(folder.join("frames")).expect("made");
     for t in 0..100 {
-        save(&folder.path().join(format!("frames/{t}.png")), &grey8(3, 2, t));
+        save(&folder.join(format!("frames/{t}.png")), &grey8(3, 2, t));
     }
-    tiff_pages::<colortype::Gray8>(&folder.path().join("a.tif"), (3, 2), &vec![vec![0; 6]; 100]);
-    write_npy(folder.path().join("a.npy"), &Array3::<u8>::zeros((100, 2, 3))).expect("written");
+    tiff_pages::<colortype::Gray8>(&folder.join("a.tif"), (3, 2), &vec![vec![0; 6]; 100]);
+    write_npy(folder.join("a.npy"), &Array3::<u8>::zeros((100, 2, 3))).expect("written");
     for name in ["frames", "a.tif", "a.npy"] {
         let handle: Arc<Mutex<Option<Monitor>>> = Arc::default();
         let frames = Arc::new(Mutex::new(0));
@@ -297,7 +297,7 @@ fn cancelling_stops_between_frames_of_folders_and_of_stacks() {
             }
         });
         *handle.lock().expect("not poisoned") = Some(monitor.clone());
-        let answer = Burst::open_with(&[folder.path().join(name)], &OpenOptions::default(), &monitor);
+        let answer = Burst::open_with(&[folder.join(name)], &OpenOptions::default(), &monitor);
         assert!(answer.as_ref().is_err_and(Error::is_cancelled), "{name}: {answer:?}");
         // Each thread may have been reading one frame.
         let frames = *frames.lock().expect("not poisoned");
@@ -312,7 +312,7 @@ fn with_bias(bias: PathBuf) -> OpenOptions {
 #[test]
 fn a_bias_of_another_kind_of_file_is_converted() {
     let folder = folder();
-    let at = |name: &str| folder.path().join(name);
+    let at = |name: &str| folder.join(name);
     let burst = at("burst.tif");
     tiff_pages::<colortype::Gray16>(&burst, (2, 2), &[vec![2570, 3570, 30_000, 65_535]]);
     let expected: Vec<f32> = [0.0, 1000.0, 27_430.0, 62_965.0].map(|v| v / 65_535.0).to_vec();
@@ -337,7 +337,7 @@ fn a_bias_of_another_kind_of_file_is_converted() {
 #[test]
 fn a_bias_of_no_known_unit_is_refused() {
     let folder = folder();
-    let at = |name: &str| folder.path().join(name);
+    let at = |name: &str| folder.join(name);
     let (sixteen, fractions) = (at("burst.tif"), at("burst.npy"));
     tiff_pages::<colortype::Gray16>(&sixteen, (2, 1), &[vec![256, 900]]);
     write_npy(&fractions, &Array2::from_elem((1, 2), 0.25f32)).expect("written");
@@ -363,7 +363,7 @@ fn a_bias_of_no_known_unit_is_refused() {
 #[test]
 fn a_flat_frame_takes_off_falling_light() {
     let folder = folder();
-    let at = |name: &str| folder.path().join(name);
+    let at = |name: &str| folder.join(name);
     // An even scene of 0.5 behind a lens that lets half through at the right, on a bias of 1000.
     let light = [20_000u16, 20_000, 10_000, 10_000];
     tiff_pages::<colortype::Gray16>(&at("burst.tif"), (4, 1), &[light.map(|v| v + 1000).to_vec()]);

@@ -113,7 +113,7 @@ fn a_folder_of_raw_frames_is_a_burst_with_bias_and_features() {
         ChartParams { width: 96, height: 72, discs: 4, frames: 5, snr: 6.0, seed: 3, ..ChartParams::default() };
     let params = ChartParams { radius: 3.0..=6.0, max_slope: 1.0, ..params };
     let (chart, _) = synth_chart(&params, &quiet()).expect("a chart");
-    let night = folder.path().join("night");
+    let night = folder.join("night");
     fs::create_dir(&night).expect("made");
     for (t, frame) in chart.frames.iter().enumerate() {
         let dng = Dng { white: 16_383, ..Dng::new((192, 144), sensor_values(frame, 64.0, 16_383.0)) };
@@ -128,13 +128,13 @@ fn a_folder_of_raw_frames_is_a_burst_with_bias_and_features() {
     let found = detect(&burst, &search, &quiet()).expect("searched");
     assert!(found.features.len() >= 3, "{} features", found.features.len());
     // A bias frame of the same camera; one of another kind is refused.
-    let bias = folder.path().join("bias.dng");
+    let bias = folder.join("bias.dng");
     fs::write(&bias, Dng { white: 16_383, ..Dng::new((192, 144), |_, _| 164) }.bytes()).expect("written");
     let with = OpenOptions { bias: Some(bias.clone()), ..OpenOptions::default() };
     let less = open_with(&night, &with).expect("opens");
     let difference = burst.frames[0].at(9, 9) - less.frames[0].at(9, 9);
     assert!((difference - 100.0 / 16_319.0).abs() < 1e-6, "{difference}");
-    let png = folder.path().join("bias.png");
+    let png = folder.join("bias.png");
     image::ImageBuffer::<image::Luma<u16>, _>::from_pixel(96, 72, image::Luma([100u16])).save(&png).expect("written");
     let error =
         open_with(&night, &OpenOptions { bias: Some(png), ..OpenOptions::default() }).expect_err("another kind");

@@ -4,16 +4,10 @@ pub use crate::prelude::*;
 pub use image::{ImageBuffer, Luma, Rgb};
 pub use ndarray::{Array2, Array3, Array4};
 pub use ndarray_npy::write_npy;
-pub use tempfile::TempDir;
 pub use tiff::encoder::{TiffEncoder, colortype};
 
 use image::Pixel;
 use tiff::encoder::{TiffValue, colortype::ColorType};
-
-/// A new folder that disappears after the test.
-pub fn folder() -> TempDir {
-    tempfile::tempdir().expect("a temporary folder")
-}
 
 /// Saves a picture in the format of its name's extension.
 pub fn save<P>(path: &Path, image: &ImageBuffer<P, Vec<P::Subpixel>>)
@@ -53,7 +47,7 @@ pub fn open_with(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
 
 /// A file in a folder of its own.
 pub struct Made {
-    pub folder: TempDir,
+    pub folder: Folder,
     pub path: PathBuf,
 }
 

@@ -15,10 +15,10 @@ fn open(folder: &Path, times: &str) -> Result<Burst, Error> {
 fn with_list(names: &[&str], list: &str, times: &str) -> Result<Burst, Error> {
     let home = folder();
     for (t, name) in names.iter().enumerate() {
-        save(&home.path().join(name), &grey8(16, 16, 30 * t as u8));
+        save(&home.join(name), &grey8(16, 16, 30 * t as u8));
     }
-    fs::write(home.path().join("list.txt"), list).expect("written");
-    open(home.path(), times)
+    fs::write(home.join("list.txt"), list).expect("written");
+    open(&home, times)
 }
 
 /// Positions, seconds of an interval and note of a burst.
@@ -101,13 +101,13 @@ fn files_hold_times() {
         ("1.jpg", include_bytes!("samples/exif_1.jpg")),
         ("2.jpg", include_bytes!("samples/exif_2.jpg")),
     ] {
-        fs::write(home.path().join(name), bytes).expect("written");
+        fs::write(home.join(name), bytes).expect("written");
     }
-    let (positions, interval_s, _) = timed(open(home.path(), "exif"));
+    let (positions, interval_s, _) = timed(open(&home, "exif"));
     assert_eq!(positions, [0.0, 1.0, 3.0]);
     assert!((interval_s - 0.25).abs() < 1e-6, "{interval_s}");
-    assert!(open(home.path(), "even").expect("a burst").positions.is_even());
-    let info = Info::of(&[home.path().to_owned()], &OpenOptions::default(), &quiet()).expect("described");
+    assert!(open(&home, "even").expect("a burst").positions.is_even());
+    let info = Info::of(&[home.to_owned()], &OpenOptions::default(), &quiet()).expect("described");
     assert_eq!((info.positions.clone(), info.are_times_used), (vec![0.0, 1.0, 3.0], false));
     let text = info.text();
     for part in
@@ -121,10 +121,10 @@ fn files_hold_times() {
         ("1.tif", include_bytes!("samples/dated_1.tif")),
         ("2.tif", include_bytes!("samples/dated_2.tif")),
     ] {
-        fs::write(home.path().join(name), bytes).expect("written");
+        fs::write(home.join(name), bytes).expect("written");
     }
-    assert_eq!(timed(open(home.path(), "header")).0, [0.0, 1.0, 3.0]);
-    let film = home.path().join("film.ser");
+    assert_eq!(timed(open(&home, "header")).0, [0.0, 1.0, 3.0]);
+    let film = home.join("film.ser");
     fs::write(&film, include_bytes!("samples/mono12.ser")).expect("written");
     let info = Info::of(std::slice::from_ref(&film), &options("header"), &quiet()).expect("described");
     assert!(info.are_times_used && info.interval_s.is_some(), "{info:?}");
@@ -154,11 +154,11 @@ fn what_is_wrong_is_named_with_file_and_line() {
     }
     let (home, film) = folder_with("film.ser");
     fs::write(&film, include_bytes!("samples/mono12.ser")).expect("written");
-    fs::write(home.path().join("list.txt"), "3\n2\n1\n0\n").expect("written");
+    fs::write(home.join("list.txt"), "3\n2\n1\n0\n").expect("written");
     let opened = |times: &str| Burst::open_with(std::slice::from_ref(&film), &options(times), &quiet());
     let count = opened("even").expect("a film").len();
     let falling: String = (0..count).map(|t| format!("{}\n", count - t)).collect();
-    fs::write(home.path().join("list.txt"), falling).expect("written");
+    fs::write(home.join("list.txt"), falling).expect("written");
     let error = opened("list.txt").expect_err("it falls").to_string();
     assert!(error.contains("lines 1 and 2: frame 0 and frame 1 are not in the order of their times"), "{error}");
     assert!(opened("names").expect_err("one file").to_string().contains("holds all"), "one name");

@@ -27,11 +27,11 @@ fn open(path: &Path, views: &str) -> Result<Burst, Error> {
 }
 
 /// A folder of views whose names `name` makes.
-fn views(name: impl Fn(usize, usize) -> String) -> tempfile::TempDir {
+fn views(name: impl Fn(usize, usize) -> String) -> Folder {
     let home = folder();
     for (row, column) in (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (row, column))) {
         let view = picture(SIZE, |u, v| value(row, column, u, v));
-        save(&home.path().join(name(row, column)), &view);
+        save(&home.join(name(row, column)), &view);
     }
     home
 }
@@ -49,20 +49,19 @@ fn is_whole(burst: &Burst) -> bool {
 #[test]
 fn names_arrays_and_pictures_of_all_views_give_the_same_light_field() {
     let usual = views(|row, column| format!("view_{row:02}_{column:02}.png"));
-    let burst = open(usual.path(), "").expect("a light field");
+    let burst = open(&usual, "").expect("a light field");
     assert!(is_whole(&burst) && burst.taken[0].contains("3 rows and 5 columns"), "{:?}", burst.taken);
-    assert!(is_whole(&open(usual.path(), "3x5").expect("a light field")));
-    let mut files: Vec<PathBuf> =
-        fs::read_dir(usual.path()).expect("read").map(|e| e.expect("an entry").path()).collect();
+    assert!(is_whole(&open(&usual, "3x5").expect("a light field")));
+    let mut files: Vec<PathBuf> = fs::read_dir(&usual).expect("read").map(|e| e.expect("an entry").path()).collect();
     files.sort_by(|a, b| b.cmp(a));
     let backwards = Burst::open_with(&files, &options(""), &quiet()).expect("a light field");
     assert!(is_whole(&backwards) && backwards.frame_names[0] == "view_00_00.png");
     let others = views(|row, column| format!("shot_{row}_{column}_{}.5.png", 9 - column));
-    assert!(is_whole(&open(others.path(), "names").expect("a light field")));
-    assert!(!open(others.path(), "").expect("a burst").positions.are_views());
+    assert!(is_whole(&open(&others, "names").expect("a light field")));
+    assert!(!open(&others, "").expect("a burst").positions.are_views());
 
     let home = folder();
-    let path = |name: &str| home.path().join(name);
+    let path = |name: &str| home.join(name);
     let all = (COLUMNS * SIZE.0, ROWS * SIZE.1);
     save(&path("tiled.png"), &picture(all, |x, y| value(y / SIZE.1, x / SIZE.0, x % SIZE.0, y % SIZE.1)));
     save(&path("eslf.png"), &picture(all, |x, y| value(y % ROWS, x % COLUMNS, x / COLUMNS, y / ROWS)));
@@ -98,15 +97,15 @@ fn pictures_of_all_views_are_bursts_of_a_dataset_and_one_row_is_a_burst() {
     let home = folder();
     let all = (COLUMNS * SIZE.0, ROWS * SIZE.1);
     for name in ["a.png", "b.png"] {
-        save(&home.path().join(name), &picture(all, |x, y| value(y / SIZE.1, x / SIZE.0, x % SIZE.0, y % SIZE.1)));
+        save(&home.join(name), &picture(all, |x, y| value(y / SIZE.1, x / SIZE.0, x % SIZE.0, y % SIZE.1)));
     }
-    let input = [home.path().to_owned()];
+    let input = [home.to_owned()];
     let found = find_bursts(&input, &options("3x5:tiled")).expect("bursts");
     assert_eq!(found.iter().map(|burst| &*burst.name).collect::<Vec<_>>(), ["a", "b"]);
     let usual = views(|row, column| format!("{row}_{column}.png"));
-    let burst = open(usual.path(), "1x15").expect("a burst");
+    let burst = open(&usual, "1x15").expect("a burst");
     assert_eq!(burst.positions, Positions::even(15));
-    assert!(Info::of(&[usual.path().to_owned()], &options("1x15"), &quiet()).expect("described").views.is_none());
+    assert!(Info::of(&[usual.to_owned()], &options("1x15"), &quiet()).expect("described").views.is_none());
 }
 
 #[test]
@@ -119,16 +118,16 @@ fn what_is_no_light_field_is_refused_with_a_remedy() {
         assert_eq!(described.expect_err("refused").to_string(), error);
         error
     };
-    let of = |views: &str| refused(usual.path(), &options(views));
+    let of = |views: &str| refused(&usual, &options(views));
     assert!(of("4x4").contains("4x4 are 16 views, but there are 15 frames"), "{}", of("4x4"));
     let timed = OpenOptions { times: "names".parse().ok(), ..options("3x5") };
-    assert!(refused(usual.path(), &timed).contains("have no times"));
+    assert!(refused(&usual, &timed).contains("have no times"));
     let (home, file) = folder_with("odd.png");
     save(&file, &picture((41, 30), |x, _| x as u8));
     assert!(refused(&file, &options("3x5:tiled")).contains("41×30"));
     assert!(refused(&file, &options("3x5")).contains("for one picture of all, such as 9x9:tiled"));
     // Axes of few columns may be colours.
-    let array = home.path().join("few.npy");
+    let array = home.join("few.npy");
     ndarray_npy::write_npy(&array, &Array4::<u8>::zeros((4, 3, 18, 20))).expect("written");
     assert!(refused(&array, &OpenOptions::default()).contains("--views ROWSxCOLUMNS"));
     assert!(open(&array, "4x3").is_ok());
@@ -140,8 +139,8 @@ fn what_is_no_light_field_is_refused_with_a_remedy() {
 /// Opens small pictures of these names as one burst: its positions, and its names in their order.
 fn named(names: &[&str], views: &str) -> Result<(Positions, Vec<String>), Error> {
     let home = folder();
-    names.iter().for_each(|name| save(&home.path().join(name), &picture((4, 3), |u, v| (u + v) as u8)));
-    let files: Vec<PathBuf> = names.iter().map(|name| home.path().join(name)).collect();
+    names.iter().for_each(|name| save(&home.join(name), &picture((4, 3), |u, v| (u + v) as u8)));
+    let files: Vec<PathBuf> = names.iter().map(|name| home.join(name)).collect();
     let burst = Burst::open_with(&files, &options(views), &quiet())?;
     Ok((burst.positions, burst.frame_names))
 }
@@ -168,8 +167,7 @@ fn rows_and_columns_in_usual_names_need_no_option_and_others_do() {
     let (positions, order) = named(&names, "names").expect("placed");
     assert_eq!(Some(positions), Positions::of_views(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]));
     assert_eq!(order, [names[2], names[1], names[0]]);
-    let told = named(&["a.png", "b.png", "c.png"], "names").expect_err("refused").to_string();
-    assert!(told.contains("'a.png' has no row and column"), "{told}");
+    says(named(&["a.png", "b.png", "c.png"], "names").expect_err("refused"), &["'a.png' has no row and column"]);
 }
 
 proptest! {
