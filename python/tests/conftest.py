@@ -59,3 +59,9 @@ def run(tmp_path: Path) -> Run:
         return json.loads(done.stdout) if code == 0 else done.stderr
 
     return command
+
+
+def refused(kind: type[Exception], words: str, call: Callable[..., object], /, *args: Any, **keywords: Any) -> None:
+    """Expects that the call raises an exception of this kind whose message has these words, a regular expression."""
+    with pytest.raises(kind, match=words):
+        call(*args, **keywords)

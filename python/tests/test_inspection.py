@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Run
+from conftest import Run, refused
 
 import burstscope as bs
 
@@ -54,8 +54,7 @@ def test_a_probe_is_that_of_the_command(stack_file: Path, tmp_path: Path, run: R
         ({}, "either a place"),
         ({"at": (1, 1), "feature": 1}, "either a place"),
     ):
-        with pytest.raises(ValueError, match=words):
-            bs.probe(burst, slopes_u=(-1, 1, 5), **wrong)
+        refused(ValueError, words, bs.probe, burst, slopes_u=(-1, 1, 5), **wrong)
 
 
 def test_one_search_answers_several_questions(chart: bs.Burst) -> None:

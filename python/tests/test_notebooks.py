@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import refused
 
 import burstscope as bs
 
@@ -43,8 +44,7 @@ def test_images_are_arrays_that_show_themselves(chart: bs.Burst) -> None:
     response = bs.dog(chart, (0.5, 0))
     assert response.signed and not image.signed and float(response.min()) < 0
     assert pictures(response._repr_mimebundle_()["text/html"])
-    with pytest.raises(ValueError, match="give one of Grey, Viridis"):
-        image.png(colour_map="pink")
+    refused(ValueError, "give one of Grey, Viridis", image.png, colour_map="pink")
 
 
 def test_a_picture_has_the_pixels_of_the_array() -> None:
@@ -61,8 +61,7 @@ def test_a_slider_holds_its_own_pictures(chart: bs.Burst, tmp_path: Path) -> Non
     assert len(slider.html) < 100_000 and "src=\"http" not in slider.html
     page = slider.save(tmp_path / "slider.html")
     assert page.read_text().startswith("<!doctype html>")
-    with pytest.raises(ValueError, match="none is given"):
-        bs.slider(chart, [])
+    refused(ValueError, "none is given", bs.slider, chart, [])
 
 
 def test_there_are_eight_small_notebooks() -> None:

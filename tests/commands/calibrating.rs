@@ -3,8 +3,9 @@
 use crate::support::*;
 use image::{ImageBuffer, Luma};
 
-/// Ten-bit frames of noise with strong fixed spots, and the spots alone.
-fn spotted(home: &Path) {
+/// A folder with ten-bit frames of noise with strong fixed spots, and the spots alone.
+fn spotted() -> Folder {
+    let home = folder();
     home.make_dir("night");
     let spot = |u: u32, v: u32| {
         let (du, dv) = ((u % 20).abs_diff(10), (v % 20).abs_diff(10));
@@ -22,6 +23,7 @@ fn spotted(home: &Path) {
         picture(&mut noise).save(home.join(format!("night/{t}.png"))).expect("written");
     }
     picture(&mut || 32).save(home.join("bias.png")).expect("written");
+    home
 }
 
 fn features(home: &Path, options: &[&str]) -> (u64, Value) {
@@ -32,8 +34,7 @@ fn features(home: &Path, options: &[&str]) -> (u64, Value) {
 
 #[test]
 fn a_bias_counts_in_whatever_file_it_comes() {
-    let home = folder();
-    spotted(&home);
+    let home = spotted();
     let (without, burst) = features(&home, &[]);
     assert_eq!((&burst["encoding"], &burst["binning"]), (&"linear".into(), &1.into()));
     assert_eq!(burst["suggested_full_scale"], 1023.0, "{burst}");
@@ -58,8 +59,7 @@ fn half(home: &Path) {
 
 #[test]
 fn masks_hide_features_and_tally_probe_and_info_say_so() {
-    let home = folder();
-    spotted(&home);
+    let home = spotted();
     half(&home);
     let (all, burst) = features(&home, &[]);
     assert_eq!(burst["tally"]["rejected"]["seen"], 0);
@@ -81,8 +81,7 @@ fn masks_hide_features_and_tally_probe_and_info_say_so() {
 #[cfg(feature = "colmap")]
 #[test]
 fn colmap_gets_the_masks_and_a_changed_mask_changes_its_burst_alone() {
-    let home = folder();
-    spotted(&home);
+    let home = spotted();
     half(&home);
     let at = |name: &str| home.join(name);
     for burst in ["a", "b"] {
@@ -117,9 +116,9 @@ fn pictures_for_screens_are_said_to_be_so() {
             image::RgbImage::from_fn(64, 48, |u, v| image::Rgb([(3 * u + t as u32) as u8, (2 * v) as u8, 90]));
         picture.save(home.join(format!("night/{t}.png"))).expect("written");
     }
-    let search = ["detect", "night", "--out", "found", "--slopes-u", "-1:1:3"];
-    says(home.run_well(&search), &["encoded for screens (sRGB)", "--linearise"]);
-    let text = home.run_well(&[&search[..], &["--linearise"]].concat());
+    let search = "detect night --out found --slopes-u -1:1:3";
+    says(home.run_well(search), &["encoded for screens (sRGB)", "--linearise"]);
+    let text = home.run_well(&format!("{search} --linearise"));
     assert!(!text.contains("sRGB"), "{text}");
     home.write("film.mp4", b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2");
     // Without a decoder of films on this machine.
@@ -127,14 +126,12 @@ fn pictures_for_screens_are_said_to_be_so() {
     let output = detect.env("PATH", &*home).output().expect("it starts");
     let words = String::from_utf8(output.stderr).expect("text");
     assert_eq!(output.status.code(), Some(1), "{words}");
-    assert!(words.contains("ffmpeg -i film.mp4 -fps_mode passthrough -vf 'format=gray|"), "{words}");
-    assert!(words.contains("' -strict -1 film.y4m"), "{words}");
+    says(&words, &["ffmpeg -i film.mp4 -fps_mode passthrough -vf 'format=gray|", "' -strict -1 film.y4m"]);
 }
 
 #[test]
 fn info_says_what_an_input_is_and_a_dump_is_searched_as_it_says() {
-    let home = folder();
-    spotted(&home);
+    let home = spotted();
     // The same frames without a header.
     let mut dump = vec![7; 5];
     for t in 0..6 {

@@ -10,8 +10,7 @@ fn the_demo_gives_features_in_all_formats() {
     let text = home.run_well("detect demo --out found --format csv,colmap,npz");
     let rows = features(&out.join("demo.csv"));
     assert!(rows.len() > 100, "{} features", rows.len());
-    assert!(text.contains(&format!("features  {}", rows.len())), "{text}");
-    assert!(text.contains("by slope") && text.contains("the same blob as a stronger one"), "{text}");
+    says(&text, &[&format!("features  {}", rows.len()), "by slope", "the same blob as a stronger one"]);
 
     let colmap = fs::read_to_string(out.join("demo.txt")).expect("a file");
     let mut lines = colmap.lines();
@@ -52,14 +51,8 @@ fn nothing_found_and_slopes_that_do_not_fit_are_explained() {
     let home = folder();
     let nothing = ["detect", "demo", "--peak-threshold", "0.5", "--out", "found"];
     let text = home.run_well(&nothing);
-    assert!(
-        text.contains("note      no feature was found: of ") && text.contains("; try --peak-threshold 0\n"),
-        "{text}"
-    );
-    let report = |arguments: &[&str]| {
-        let json = home.run_json(&[arguments, &["--json"]].concat());
-        json["bursts"][0].clone()
-    };
+    says(&text, &["note      no feature was found: of ", "; try --peak-threshold 0\n"]);
+    let report = |arguments: &[&str]| home.run_json(&[arguments, &["--json"]].concat())["bursts"][0].clone();
     let said = &report(&nothing)["advice"];
     assert_eq!((&said["parameter"], &said["value"]), (&"peak-threshold".into(), &"0".into()));
     // Nothing moves, and slope 0 is not searched.
@@ -78,8 +71,7 @@ fn nothing_found_and_slopes_that_do_not_fit_are_explained() {
 #[test]
 fn json_is_one_document_that_agrees_with_the_files() {
     let home = folder();
-    let text = home.run_well("detect demo --out found --json --noise-gate 6 --slopes-u -3:3:7");
-    let json: Value = serde_json::from_str(&text).expect("one JSON document");
+    let json = home.run_json("detect demo --out found --json --noise-gate 6 --slopes-u -3:3:7");
     let burst = &json["bursts"][0];
     let rows = features(&home.join("found").join("demo.csv"));
     assert_eq!(burst["features"], rows.len());
@@ -155,10 +147,8 @@ fn failures_are_1_and_name_the_file() {
 fn slopes_are_found_unless_they_are_given() {
     let home = folder();
     let few = ["--octaves", "3", "--max-features", "200"];
-    let json = |more: &[&str]| -> Value {
-        let text = home.run_well(&[&["detect", "demo", "--out", "found", "--json"], &few[..], more].concat());
-        serde_json::from_str(&text).expect("one JSON document")
-    };
+    let json =
+        |more: &[&str]| home.run_json(&[&["detect", "demo", "--out", "found", "--json"], &few[..], more].concat());
     let found = json(&[]);
     assert_eq!(found["params"]["slopes"], "auto");
     let burst = &found["bursts"][0];
@@ -188,16 +178,12 @@ fn slopes_are_found_unless_they_are_given() {
 #[test]
 fn a_parameter_file_is_read_and_options_override_it() {
     let home = folder();
-    let params = burstscope::detector::SearchParams {
-        slopes: burstscope::SlopeGrid::line(-2.0..=2.0, 5).into(),
-        levels: 2,
-        max_features: 50,
-        ..Default::default()
-    };
+    let slopes = SlopeGrid::line(-2.0..=2.0, 5).into();
+    let params = SearchParams { slopes, levels: 2, max_features: 50, ..Default::default() };
     home.write("p.toml", params.to_toml());
     let json = home.run_json("detect demo --out found --json --params p.toml --max-features 20");
-    let read: burstscope::DetectorParams = serde_json::from_value(json["params"].clone()).expect("parameters");
-    assert_eq!(read, burstscope::DetectorParams { max_features: 20, ..params.at_given() });
+    let read: DetectorParams = serde_json::from_value(json["params"].clone()).expect("parameters");
+    assert_eq!(read, DetectorParams { max_features: 20, ..params.at_given() });
     assert_eq!(features(&home.join("found").join("demo.csv")).len(), 20);
     home.write("bad.toml", "peak_treshold = 1.0");
     says(home.run_badly("detect demo --out x --params bad.toml", 2), &["bad.toml", "peak_treshold"]);
@@ -207,11 +193,8 @@ fn a_parameter_file_is_read_and_options_override_it() {
 fn a_broken_burst_does_not_stop_the_others() {
     let home = folder();
     for (name, seed) in [("a", "1"), ("b", "2"), ("c", "3")] {
-        let out = format!("nights/{name}");
-        home.run_well(&[
-            "synth", "chart", "--out", &out, "--width", "160", "--height", "120", "--discs", "4", "--radius", "3:8",
-            "--seed", seed,
-        ]);
+        let size = "--width 160 --height 120 --discs 4 --radius 3:8";
+        home.run_well(&format!("synth chart --out nights/{name} {size} --seed {seed}"));
     }
     home.write("nights/b/frame_004.png", "broken");
     let output = home.run("detect nights gone demo --out found");

@@ -8,11 +8,10 @@ const GARLANDS: [&str; 3] = ["demo-aliasing", "--slopes-u", "-9:9:37"];
 fn probe_says_what_became_of_a_place() {
     let home = folder();
     // The moon.
-    let text = home.run_well("probe demo --at 92,58 --slopes-u -3:3:13");
-    for words in ["demo at (92, 58)", "noise gate", "kept as", "frame   0", "coherence"] {
-        assert!(text.contains(words), "{words}: {text}");
-    }
-    let found = home.run_json("probe demo --at 92,58 --slopes-u -3:3:13 --json");
+    let line = "probe demo --at 92,58 --slopes-u -3:3:13";
+    let alike = "likely a real blob: the frames respond alike (coherence ";
+    says(home.run_well(line), &["demo at (92, 58)", "noise gate", "kept as", "frame   0", alike]);
+    let found = home.run_json(&format!("{line} --json"));
     assert_eq!(found["command"], "probe");
     let fates = found["probe"]["fates"].as_array().expect("fates");
     assert!(fates.iter().any(|f| f["first_failed"].is_null()), "something was kept");
@@ -24,7 +23,6 @@ fn probe_says_what_became_of_a_place() {
     }
     assert_eq!(found["probe"]["shares"]["frames"].as_array().map(Vec::len), Some(10));
     assert_eq!(found["probe"]["judged"]["verdict"], "real", "the moon is no ghost");
-    assert!(text.contains("likely a real blob: the frames respond alike (coherence "), "{text}");
     let rows = found["probe"]["response"]["snr"].as_array().expect("a map");
     assert_eq!(rows.len(), found["probe"]["response"]["scales"].as_array().map_or(0, Vec::len));
 }
@@ -134,8 +132,8 @@ fn slopes_has_the_features_of_garlands_a_period_away_and_draws_them() {
 #[test]
 fn decoys_says_how_much_is_found_in_other_orders_too() {
     let home = folder();
-    let line = ["decoys", "demo-crossing", "--slopes-u", "-2:2:5", "--copies", "2"];
-    let found = home.run_json(&[&line[..], &["--json"]].concat());
+    let line = "decoys demo-crossing --slopes-u -2:2:5 --copies 2";
+    let found = home.run_json(&format!("{line} --json"));
     assert_eq!((&found["command"], &found["decoys"]["copies"]), (&Value::from("decoys"), &Value::from(2)));
     let rates = found["decoys"]["rates"].as_array().expect("rates");
     assert!(rates.len() > 5 && rates[0]["found"].as_u64() > Some(10), "{rates:?}");
@@ -146,11 +144,10 @@ fn decoys_says_how_much_is_found_in_other_orders_too() {
         assert!(counts.len() == 2 && (one["rate"].as_f64().expect("a rate") - rate).abs() < 1e-9, "{one}");
     }
     // The text has the same numbers, and another number of threads finds the same.
-    let text = home.run_well(&[&line[..], &["--threads", "1"]].concat());
+    let text = home.run_well(&format!("{line} --threads 1"));
     let (rate, error) = (rates[0]["rate"].as_f64().expect("a rate"), rates[0]["error"].as_f64().expect("an error"));
-    assert!(text.contains("2 copies in other orders (seed 1)"), "{text}");
-    assert!(text.contains(&format!("{rate:.2} ± {error:.2}")), "{text}");
-    let other = home.run_json(&[&line[..], &["--seed", "2", "--json"]].concat());
+    says(&text, &["2 copies in other orders (seed 1)", &format!("{rate:.2} ± {error:.2}")]);
+    let other = home.run_json(&format!("{line} --seed 2 --json"));
     assert_ne!(other["decoys"]["rates"], found["decoys"]["rates"]);
 }
 

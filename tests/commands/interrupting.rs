@@ -101,8 +101,8 @@ fn a_film_or_a_case_that_is_written_stops_and_leaves_nothing() {
 #[test]
 fn a_second_request_ends_it_at_once() {
     let home = folder();
-    let arguments = ["evaluate", "chart", "--motion", "2d", "--seeds", "500", "--threads", "1"];
-    let mut child = home.program(&arguments);
+    let arguments = "evaluate chart --motion 2d --seeds 500 --threads 1";
+    let mut child = home.program(arguments);
     let child = child.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
     at_work(&child);
     send("-TERM", child.id());
@@ -177,9 +177,9 @@ fn an_mp4_without_ffmpeg_or_with_one_that_fails_is_an_error_with_its_words() {
     use std::os::unix::fs::PermissionsExt;
     let (home, bin) = folder_with("bin");
     fs::create_dir(&bin).expect("made");
-    let film = ["film", "demo", "--sweep", "frames", "--no-features", "--out", "x.mp4"];
+    let film = "film demo --sweep frames --no-features --out x.mp4";
     let fails = || {
-        let output = home.program(&film).env("PATH", &bin).output().expect("it starts");
+        let output = home.program(film).env("PATH", &bin).output().expect("it starts");
         assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
         assert_eq!(names(&home), ["bin"]);
         stderr(&output)

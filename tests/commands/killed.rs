@@ -4,10 +4,11 @@
 use crate::support::*;
 use std::time::SystemTime;
 
-/// Makes one film of twenty small bursts.
-fn film(home: &Path) {
-    let size = ["--width", "96", "--height", "72", "--frames", "60", "--max-slope", "1", "--snr", "10"];
-    home.run_well(&[&["synth", "scene", "--out", "film"][..], &size].concat());
+/// A folder with one film of twenty small bursts.
+fn film() -> Folder {
+    let home = folder();
+    home.run_well("synth scene --out film --width 96 --height 72 --frames 60 --max-slope 1 --snr 10");
+    home
 }
 
 fn arguments<'a>(out: &'a str, edge_threshold: &'a str) -> Vec<&'a str> {
@@ -97,8 +98,7 @@ fn kill_after(home: &Path, line: &[&str], out: &Path, count: usize, later: Durat
 
 #[test]
 fn killed_at_any_moment_it_goes_on_to_the_same_end() {
-    let home = folder();
-    film(&home);
+    let home = film();
     home.run_well(&arguments("whole", "12"));
     let whole = home.join("whole");
     let expected = made(&whole);
@@ -131,8 +131,7 @@ fn killed_at_any_moment_it_goes_on_to_the_same_end() {
 
 #[test]
 fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
-    let home = folder();
-    film(&home);
+    let home = film();
     home.run_well(&arguments("rec", "12"));
     let folder = home.join("rec");
     let expected = made(&folder);
@@ -159,17 +158,24 @@ fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
     same(&folder, &expected, "in the way");
 }
 
-/// Makes two bursts of three frames whose files all have one length.
-fn nights(home: &Path) {
-    for (night, seed) in [("a", "1"), ("b", "2")] {
-        let size = ["--width", "96", "--height", "72", "--frames", "3", "--discs", "4", "--radius", "3:6"];
-        home.run_well(&[&["synth", "chart", "--out", night, "--seed", seed, "--snr", "5"][..], &size].concat());
-        fs::create_dir_all(home.join("nights").join(night)).expect("made");
+/// Makes a small chart of noisy frames.
+fn small_chart(home: &Path, out: &str, frames: usize, seed: u32) {
+    let size = "--width 96 --height 72 --discs 4 --radius 3:6 --snr 5";
+    home.run_well(&format!("synth chart --out {out} --frames {frames} --seed {seed} {size}"));
+}
+
+/// A folder with two bursts of three frames whose files all have one length.
+fn nights() -> Folder {
+    let home = folder();
+    for (night, seed) in [("a", 1), ("b", 2)] {
+        small_chart(&home, night, 3, seed);
+        home.make_dir(&format!("nights/{night}"));
         for t in 0..3 {
-            let frame = image::open(home.join(night).join(format!("frame_00{t}.png"))).expect("a frame");
+            let frame = image::open(home.join(format!("{night}/frame_00{t}.png"))).expect("a frame");
             frame.save(home.join(format!("nights/{night}/{t}.pgm"))).expect("written");
         }
     }
+    home
 }
 
 /// For each burst of `nights`, whether it was taken from an earlier run into the folder `rec`.
@@ -181,8 +187,7 @@ fn resumed(home: &Path, more: &[&str]) -> Vec<bool> {
 
 #[test]
 fn colmap_keeps_faint_features_unless_told_otherwise() {
-    let home = folder();
-    nights(&home);
+    let home = nights();
     home.write("mine.toml", "levels = 4\n");
     let gate = |out: &str, more: &[&str]| {
         let arguments = ["colmap", "nights", "--slopes-u", "-1:1:3", "--octaves", "2", "--json", "--out", out];
@@ -205,8 +210,7 @@ fn colmap_keeps_faint_features_unless_told_otherwise() {
 
 #[test]
 fn features_are_kept_for_frames_of_the_same_content() {
-    let home = folder();
-    nights(&home);
+    let home = nights();
     let at = |name: &str| home.join(name);
     assert_eq!(resumed(&home, &[]), [false, false]);
     let first = made(&at("rec"));
@@ -237,8 +241,7 @@ fn features_are_kept_for_frames_of_the_same_content() {
 
 #[test]
 fn the_content_decides_when_it_is_asked_for() {
-    let home = folder();
-    nights(&home);
+    let home = nights();
     resumed(&home, &[]);
     let record = home.join("rec/records/a.png.json");
     // As if the frame had changed, with length and times unchanged.
@@ -253,8 +256,7 @@ fn the_content_decides_when_it_is_asked_for() {
 
 #[test]
 fn a_picture_that_was_emptied_or_altered_is_written_again() {
-    let home = folder();
-    nights(&home);
+    let home = nights();
     resumed(&home, &[]);
     let first = made(&home.join("rec"));
     let picture = home.join("rec/images/b.png");
@@ -273,8 +275,7 @@ fn a_picture_that_was_emptied_or_altered_is_written_again() {
 
 #[test]
 fn two_processes_do_not_write_into_one_folder() {
-    let home = folder();
-    film(&home);
+    let home = film();
     home.make_dir("rec");
     let lock = home.join("rec/.burstscope-lock");
     fs::write(&lock, "process 4711 on lighthouse\n").expect("written");
@@ -289,11 +290,8 @@ fn two_processes_do_not_write_into_one_folder() {
 #[test]
 fn what_several_runs_have_found_is_gathered() {
     let home = folder();
-    for name in ["a", "b", "c", "d"] {
-        let size =
-            ["--width", "96", "--height", "72", "--frames", "4", "--discs", "4", "--radius", "3:6", "--seed", name];
-        let size = size.map(|word| if word == name { if name == "a" { "1" } else { "2" } } else { word });
-        home.run_well(&[&["synth", "chart", "--out", &format!("nights/{name}")][..], &size].concat());
+    for (name, seed) in [("a", 1), ("b", 2), ("c", 2), ("d", 2)] {
+        small_chart(&home, &format!("nights/{name}"), 4, seed);
     }
     let search = ["--slopes-u", "-1:1:3", "--octaves", "2"];
     let colmap = |inputs: &[&str], more: &[&str]| home.run_well(&[&["colmap"], inputs, &search, more].concat());

@@ -10,11 +10,8 @@ fn truth(folder: &Path) -> Truth {
 #[test]
 fn a_chart_opens_again_with_the_very_same_values() {
     let home = folder();
-    let arguments = [
-        "synth", "chart", "--out", "chart", "--width", "200", "--height", "150", "--discs", "6", "--radius", "3.6:9",
-        "--frames", "4", "--snr", "1.5", "--motion", "2d", "--seed", "11",
-    ];
-    says(home.run_well(&arguments), &["4 frames of 200×150, 6 features"]);
+    let arguments = "synth chart --out chart --width 200 --height 150 --discs 6 --radius 3.6:9 --frames 4 --snr 1.5 --motion 2d --seed 11";
+    says(home.run_well(arguments), &["4 frames of 200×150, 6 features"]);
     let folder = home.join("chart");
     assert_eq!(
         names(&folder),
@@ -75,10 +72,8 @@ fn exchanged_frames_and_an_arm_are_made_with_their_truth_and_taken_back() {
     };
     let known = synth("exchanged", "--exchange 1,4");
     assert_eq!(known.times, [0.0, 4.0, 2.0, 3.0, 1.0, 5.0, 6.0]);
-    let found = |more: &str| {
-        let line = format!("detect {more} --slopes-u -2.5:2.5:11 --json --force --out found");
-        home.run_well(&line)
-    };
+    let search = "--slopes-u -2.5:2.5:11 --json --force --out found";
+    let found = |more: &str| home.run_json(&format!("detect {more} {search}"));
     let answers = |folder: &str, known: &Truth| {
         let rows = features(&home.join(format!("found/{folder}.csv")));
         let is_found = |disc: &&FeatureTruth| {
@@ -86,10 +81,8 @@ fn exchanged_frames_and_an_arm_are_made_with_their_truth_and_taken_back() {
         };
         (known.features.iter().filter(is_found).count(), known.features.len())
     };
-    let said = found("exchanged --times found");
-    let document: Value = serde_json::from_str(&said).expect("JSON");
-    let burst = &document["bursts"][0];
-    assert!(burst["taken"][0].as_str().is_some_and(|taken| taken.contains("exchanged")), "{said}");
+    let burst = &found("exchanged --times found")["bursts"][0];
+    says(&burst["taken"][0], &["exchanged"]);
     let names: Vec<&str> = burst["frame_names"].as_array().expect("names").iter().filter_map(|n| n.as_str()).collect();
     let mut in_order = names.clone();
     in_order.sort_unstable();
@@ -143,9 +136,8 @@ fn other_peoples_files_are_left_alone() {
     let home = folder();
     home.make_dir("mine");
     home.write("mine/thesis.txt", "precious");
-    let arguments =
-        ["synth", "chart", "--out", "mine", "--width", "64", "--height", "48", "--discs", "1", "--max-slope", "1"];
-    says(home.run_badly(&arguments, 1), &["mine"]);
+    let arguments = "synth chart --out mine --width 64 --height 48 --discs 1 --max-slope 1";
+    says(home.run_badly(arguments, 1), &["mine"]);
     assert_eq!(names(&home.join("mine")), ["thesis.txt"]);
     let output = home.run("synth chart --out x --discs 4000");
     assert_eq!(output.status.code(), Some(2));

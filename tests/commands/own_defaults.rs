@@ -57,8 +57,8 @@ fn the_usual_place_is_read_unless_the_variable_is_set() {
     fs::create_dir_all(&folder).expect("made");
     fs::write(folder.join("defaults.toml"), "levels = 4\n").expect("written");
     let run = |variable: Option<&str>| {
-        let line = ["case", "demo-tripod", "--out", "a.burstcase", "--json"];
-        let mut command = home.program(&line);
+        let line = "case demo-tripod --out a.burstcase --json";
+        let mut command = home.program(line);
         command.env("XDG_CONFIG_HOME", home.join("config")).env_remove("BURSTSCOPE_DEFAULTS");
         command.envs(variable.map(|value| ("BURSTSCOPE_DEFAULTS", value))).output().expect("it starts")
     };
@@ -97,8 +97,8 @@ fn what_is_wrong_with_own_defaults_is_told_with_their_file() {
 fn nothing_is_written_over_own_defaults() {
     let home = folder();
     home.write("own.tiff", "levels = 4\n");
-    let line = ["stack", "demo-tripod", "--slope", "0,0", "--out", "own.tiff", "--force"];
-    let output = home.program(&line).env("BURSTSCOPE_DEFAULTS", "own.tiff").output().expect("it starts");
+    let line = "stack demo-tripod --slope 0,0 --out own.tiff --force";
+    let output = home.program(line).env("BURSTSCOPE_DEFAULTS", "own.tiff").output().expect("it starts");
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert_eq!(fs::read(home.join("own.tiff")).expect("there"), b"levels = 4\n");
 }

@@ -4,10 +4,11 @@ use crate::support::*;
 
 const SEARCH: [&str; 4] = ["--slopes-u", "-2:2:5", "--octaves", "2"];
 
-/// Makes four bursts along a way that see the same things.
-fn way(home: &Path) {
-    let size = "--width 240 --height 180 --bursts 4 --frames 5 --max-slope 2 --snr 5";
-    home.run_well(&format!("synth trajectory --out way {size}"));
+/// A folder with four bursts along a way that see the same things.
+fn way() -> Folder {
+    let home = folder();
+    home.run_well("synth trajectory --out way --width 240 --height 180 --bursts 4 --frames 5 --max-slope 2 --snr 5");
+    home
 }
 
 /// The names of the bursts of the way.
@@ -18,8 +19,7 @@ fn bursts(numbers: std::ops::Range<usize>) -> Vec<String> {
 /// Runs `colmap` on `bursts` into `out`, and returns its JSON and the bytes of its database.
 fn reconstruct(home: &Path, bursts: &[String], out: &str, more: &[&str]) -> (Value, Vec<u8>) {
     let bursts: Vec<&str> = bursts.iter().map(String::as_str).collect();
-    let line = [&["colmap"], &bursts[..], &SEARCH, &["--out", out, "--json"], more].concat();
-    let json = home.run_json(&line);
+    let json = home.run_json(&[&["colmap"], &bursts[..], &SEARCH, &["--out", out, "--json"], more].concat());
     (json, fs::read(home.join(out).join("database.db")).expect("a database"))
 }
 
@@ -36,9 +36,7 @@ fn pair_file(home: &Path, a: usize, b: usize) -> PathBuf {
 
 #[test]
 fn pairs_are_kept_and_a_burst_more_costs_its_own() {
-    let home = folder();
-    let home = &*home;
-    way(home);
+    let home = &way();
     let all = [[1, 2], [1, 3], [2, 3]];
     let (first, of_three) = reconstruct(home, &bursts(0..3), "rec", &[]);
     assert_eq!(resumed(&first), [[0; 2]; 0]);
@@ -55,12 +53,8 @@ fn pairs_are_kept_and_a_burst_more_costs_its_own() {
         json
     };
     assert_eq!(without_resumed(&first), without_resumed(&again));
-    let text = home.run_well(
-        &["colmap", "way/bursts/burst_000", "way/bursts/burst_001", "way/bursts/burst_002", "--out", "rec"]
-            .into_iter()
-            .chain(SEARCH)
-            .collect::<Vec<_>>(),
-    );
+    let three = "colmap way/bursts/burst_000 way/bursts/burst_001 way/bursts/burst_002 --out rec";
+    let text = home.run_well(&[&three.words()[..], &SEARCH].concat());
     assert!(text.contains("3 images, 3 pairs, 3 from an earlier run: "), "{text}");
     // One burst more is matched with the others, which are not matched again.
     let (more, of_four) = reconstruct(home, &bursts(0..4), "rec", &[]);
@@ -74,9 +68,7 @@ fn pairs_are_kept_and_a_burst_more_costs_its_own() {
 
 #[test]
 fn pairs_of_other_options_or_features_are_matched_again() {
-    let home = folder();
-    let home = &*home;
-    way(home);
+    let home = &way();
     let pairs = |more: &[&str]| resumed(&reconstruct(home, &bursts(0..3), "rec", more).0).len();
     for options in [
         &[][..],
@@ -107,17 +99,13 @@ fn pairs_of_other_options_or_features_are_matched_again() {
 
 #[test]
 fn near_pairs_are_those_of_the_way_in_whatever_order_the_bursts_are_given() {
-    let home = folder();
-    let home = &*home;
-    way(home);
+    let home = &way();
     let mixed = [0, 2, 1].map(|k| format!("way/bursts/burst_{k:03}"));
     let line = |threads| ["--pairs", "near:1", "--threads", threads];
     let (json, database) = reconstruct(home, &mixed, "rec", &line("1"));
     let ids: Vec<&Value> = json["pairs"].as_array().expect("pairs").iter().map(|pair| &pair["ids"]).collect();
     assert_eq!(ids, [&serde_json::json!([1, 3]), &serde_json::json!([2, 3])], "the second burst is between the others");
-    let manifest: Value =
-        serde_json::from_slice(&fs::read(home.join("rec/manifest.json")).expect("a manifest")).expect("JSON");
-    assert_eq!(manifest["claims"]["settings"]["export"]["pairs"], "near:1");
+    assert_eq!(home.json("rec/manifest.json")["claims"]["settings"]["export"]["pairs"], "near:1");
     let (_, again) = reconstruct(home, &mixed, "two", &line("2"));
     assert!(again == database, "two threads give another database");
     let study = ["evaluate", "matches", "way/bursts", "--pairs", "near:1"];
@@ -126,9 +114,7 @@ fn near_pairs_are_those_of_the_way_in_whatever_order_the_bursts_are_given() {
 
 #[test]
 fn a_pair_that_is_not_whole_or_of_other_bursts_is_matched_again() {
-    let home = folder();
-    let home = &*home;
-    way(home);
+    let home = &way();
     let (_, first) = reconstruct(home, &bursts(0..3), "rec", &[]);
     let file = pair_file(home, 0, 2);
     let whole = fs::read(&file).expect("a pair");
@@ -167,9 +153,7 @@ fn a_pair_that_is_not_whole_or_of_other_bursts_is_matched_again() {
 
 #[test]
 fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
-    let home = folder();
-    let home = &*home;
-    way(home);
+    let home = &way();
     home.write("list.txt", "# of a retrieval\n\nburst_001.png burst_000\nburst_002.png burst_003.png\n");
     let (json, of_list) = reconstruct(home, &bursts(0..4), "rec", &["--pairs", "list.txt"]);
     let ids: Vec<&Value> = json["pairs"].as_array().expect("pairs").iter().map(|pair| &pair["ids"]).collect();
@@ -239,20 +223,17 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
         let mut bytes = whole.clone();
         word.into_iter().for_each(|word| bytes[lines + 4 * word] = 1);
         fs::write(&file, bytes).expect("written");
-        let two = report(&["way/bursts/burst_001", "demo"], &["rec"]);
-        serde_json::from_str::<Value>(&home.run_well(&two)).expect("JSON")
+        home.run_json(&report(&["way/bursts/burst_001", "demo"], &["rec"]))
     };
     assert_eq!(of_two(None)["pairs"][0]["refused"], Value::Null);
-    let refused = of_two(Some(1));
-    assert_eq!(
-        (&refused["pairs"][0]["refused"], &refused["joined"]["refused_by_pictures"]),
-        (&"pictures".into(), &1.into())
-    );
+    for (word, by) in [(1, "pictures"), (0, "motions")] {
+        let refused = of_two(Some(word));
+        assert_eq!(
+            (&refused["pairs"][0]["refused"], &refused["joined"][format!("refused_by_{by}")]),
+            (&by.into(), &1.into())
+        );
+    }
     let refused = of_two(Some(0));
-    assert_eq!(
-        (&refused["pairs"][0]["refused"], &refused["joined"]["refused_by_motions"]),
-        (&"motions".into(), &1.into())
-    );
     assert_eq!([0, 1].map(|row| refused["bursts"][row]["verified_pairs"].clone()), [0.into(), Value::Null]);
     says(home.text("flight.md"), &["- No pair is verified\n- Not in the folder of the pairs: demo\n"]);
     // What is wrong is named with its line, before anything is done.

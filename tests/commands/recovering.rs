@@ -4,17 +4,13 @@ use crate::support::*;
 use burstscope::export::case::{read_session, read_truth};
 use burstscope::synth::TruthKind;
 
-fn json(home: &Path, arguments: &[&str]) -> Value {
-    home.run_json(arguments)
-}
-
 const SEARCH: [&str; 3] = ["demo-low-contrast", "--slopes-u", "-2:2:9"];
 
 #[test]
 fn recover_says_what_would_be_found_and_draws_it() {
     let home = folder();
     let few = ["--copies", "2", "--plot", "seen.svg", "--table", "planted.csv", "--json"];
-    let found = json(&home, &[&["recover"], &SEARCH[..], &few].concat());
+    let found = home.run_json(&[&["recover"], &SEARCH[..], &few].concat());
     assert_eq!((&found["command"], &found["copies_done"]), (&Value::from("recover"), &Value::from(2)));
     let planted = found["planted"].as_array().expect("things");
     assert!(planted.len() > 10, "{}", planted.len());
@@ -27,16 +23,16 @@ fn recover_says_what_would_be_found_and_draws_it() {
     let table = home.text("planted.csv");
     assert_eq!(table.lines().count(), 1 + planted.len());
     // The same again, over its own files.
-    let again = json(&home, &[&["recover"], &SEARCH[..], &few].concat());
+    let again = home.run_json(&[&["recover"], &SEARCH[..], &few].concat());
     assert_eq!(found["planted"], again["planted"]);
     // A copy is kept as a case, with the truth of what is planted in it.
-    json(&home, &[&["recover"], &SEARCH[..], &["--copies", "1", "--case", "a.burstcase", "--json"]].concat());
+    home.run_json(&[&["recover"], &SEARCH[..], &["--copies", "1", "--case", "a.burstcase", "--json"]].concat());
     let truth = read_truth(&home.join("a.burstcase")).expect("read").expect("a truth");
     let of_first: Vec<&Value> = planted.iter().filter(|one| one["seed"] == 1).collect();
     assert_eq!((truth.kind, truth.features.len()), (TruthKind::Planted, of_first.len()));
     assert!(truth.features.iter().zip(&of_first).all(|(disc, one)| one["truth"]["u"] == disc.u));
     let line = ["detect", "a.burstcase", "--params", "a.burstcase", "--out", "found", "--json"];
-    assert!(json(&home, &line)["bursts"][0]["features"].as_u64().is_some_and(|n| n > 0));
+    assert!(home.run_json(&line)["bursts"][0]["features"].as_u64().is_some_and(|n| n > 0));
     assert!(home.run_badly("recover demo --case a.zip", 2).contains(".burstcase"));
     assert!(home.run_badly("recover demo --copies 0", 2).contains("copies"));
     assert!(home.run_badly("recover demo --csv a.txt", 2).contains(".csv"));
@@ -55,7 +51,7 @@ fn recover_says_what_would_be_found_and_draws_it() {
     let absurd = [&["recover"], &SEARCH[..], &["--copies", "1", "--noise-gate", "1e20"]].concat();
     says(home.run_badly(&absurd, 2), &["noise-gate: ", "lower the gate"]);
     // With given ratios the study runs, and finds nothing.
-    let given = json(&home, &[&absurd[..], &["--snr", "1,2", "--at-snr", "1", "--json"]].concat());
+    let given = home.run_json(&[&absurd[..], &["--snr", "1,2", "--at-snr", "1", "--json"]].concat());
     assert!(given["planted"].as_array().is_some_and(|all| all.iter().all(|one| one["found"].is_null())));
 }
 
@@ -63,17 +59,15 @@ fn recover_says_what_would_be_found_and_draws_it() {
 fn a_case_is_searched_like_the_burst_with_its_own_settings() {
     let home = folder();
     let features = |input: &[&str]| {
-        json(&home, &[&["detect"], input, &["--out", "found", "--force", "--json"]].concat())["bursts"][0]["features"]
+        home.run_json(&[&["detect"], input, &["--out", "found", "--force", "--json"]].concat())["bursts"][0]["features"]
             .clone()
     };
-    let made = json(
-        &home,
+    let made = home.run_json(
         &[&["case"], &SEARCH[..], &["--at", "160,120", "--note", "why?", "--out", "a.burstcase", "--json"]].concat(),
     );
     assert_eq!(made["case"]["note"], "why?");
     assert_eq!(features(&["a.burstcase", "--params", "a.burstcase"]), features(&SEARCH));
-    let part = json(
-        &home,
+    let part = home.run_json(
         &[&["case"], &SEARCH[..], &["--at", "160,120", "--around", "40", "--out", "b.burstcase", "--json"]].concat(),
     );
     assert_eq!(part["case"]["size"], serde_json::json!([81, 81]));
@@ -94,7 +88,7 @@ fn a_case_is_searched_like_the_burst_with_its_own_settings() {
 fn a_sweep_is_a_film_and_frames_are_combined() {
     let home = folder();
     let line = ["--sweep", "slope-u=-2:2:5", "--max-side", "160", "--out", "a.gif", "--json"];
-    let made = json(&home, &[&["film"], &SEARCH[..], &line].concat());
+    let made = home.run_json(&[&["film"], &SEARCH[..], &line].concat());
     assert_eq!(made["pictures"], 5);
     let bytes = fs::read(home.join("a.gif")).expect("a file");
     let estimated = made["estimated_bytes"].as_u64().expect("a number") as usize;
@@ -110,7 +104,7 @@ fn a_sweep_is_a_film_and_frames_are_combined() {
     assert!(home.run_badly("film demo --sweep scale --out a.apng", 2).contains("GIF"));
     let mean = |how: &str| {
         let line = ["stack", "demo", "--slope", "1,0", "--combine", how, "--out", "a.tiff", "--force", "--json"];
-        json(&home, &line)["mean"].as_f64().expect("a number")
+        home.run_json(&line)["mean"].as_f64().expect("a number")
     };
     assert!(mean("min") < mean("median") && mean("median") < mean("max"));
     assert!((mean("mean") - mean("median") - mean("mean-minus-median")).abs() < 1e-5);
@@ -120,11 +114,11 @@ fn a_sweep_is_a_film_and_frames_are_combined() {
 fn the_set_up_gives_slopes_and_slopes_give_depths() {
     let home = folder();
     let set_up = ["--speed", "0.5", "--fps", "30", "--focal-px", "240", "--depth", "1:8"];
-    let alone = json(&home, &[&["slopes", "--json"], &set_up[..]].concat());
+    let alone = home.run_json(&[&["slopes", "--json"], &set_up[..]].concat());
     let nearest = alone["slopes"]["nearest"]["u"].as_f64().expect("a number");
     assert!((nearest + 4.0).abs() < 1e-4, "{nearest}");
     assert!(alone["options"].as_str().is_some_and(|options| options.starts_with("--slopes-u -")));
-    let with = json(&home, &[&["slopes", "demo", "--json"], &set_up[..]].concat());
+    let with = home.run_json(&[&["slopes", "demo", "--json"], &set_up[..]].concat());
     let depths = with["depths"].as_array().expect("depths");
     assert!(depths.iter().any(|one| one["depth_m"].is_number()), "{depths:?}");
     assert!(home.run_badly("slopes", 2).contains("--speed"));

@@ -41,8 +41,8 @@ fn figures(report: &Value) -> Vec<(&str, bool)> {
 #[test]
 fn all_figures_are_made_once_and_kept() {
     let (home, folder) = folder_with("paper");
-    let arguments = ["figures", "--out", "paper", "--quick", "--no-colmap", "--json"];
-    let made = home.run_json(&arguments);
+    let arguments = "figures --out paper --quick --no-colmap --json";
+    let made = home.run_json(arguments);
     let mut found: Vec<&str> = figures(&made).into_iter().map(|(name, _)| name).collect();
     found.sort_unstable();
     assert_eq!(found, ALL);
@@ -58,7 +58,7 @@ fn all_figures_are_made_once_and_kept() {
     // A file of somebody else that came into the place of one of ours stays.
     let numbers = fs::read(folder.join("fig7.csv")).expect("numbers");
     fs::write(folder.join("fig7.csv"), "mine").expect("written");
-    says(home.run_badly(&arguments, 1), &["fig7.csv", "did not write"]);
+    says(home.run_badly(arguments, 1), &["fig7.csv", "did not write"]);
     assert_eq!(fs::read_to_string(folder.join("fig7.csv")).expect("there"), "mine");
     fs::write(folder.join("fig7.csv"), numbers).expect("put back");
 
@@ -68,7 +68,7 @@ fn all_figures_are_made_once_and_kept() {
     let seconds = made["figures"][4]["seconds"].clone();
     let picture = fs::read_to_string(folder.join("fig7.svg")).expect("a picture");
     fs::write(folder.join("fig7.svg"), picture.replacen("<title>", "<title>Altered: ", 1)).expect("written");
-    let again = home.run_json(&arguments);
+    let again = home.run_json(arguments);
     for (name, resumed) in figures(&again) {
         assert_eq!(resumed, name != "fig7", "{name}");
     }
@@ -126,8 +126,8 @@ fn where_colmap_is_installed_it_fills_the_columns() {
     fs::write(&tool, MAPPER).expect("written");
     fs::set_permissions(&tool, fs::Permissions::from_mode(0o755)).expect("set");
     let path = std::env::var("PATH").unwrap_or_default();
-    let arguments = ["figures", "--out", "paper", "--quick", "--only", "table1,table2,table3,fig8", "--json"];
-    let mut command = home.program(&arguments);
+    let arguments = "figures --out paper --quick --only table1,table2,table3,fig8 --json";
+    let mut command = home.program(arguments);
     let output = command.env("PATH", format!("{}:{path}", home.join("bin").display())).output().expect("runs");
     assert!(output.status.success(), "{}", stderr(&output));
     let folder = home.join("paper");

@@ -54,14 +54,13 @@ fn its_poses_and_its_lens_are_read_back() {
     home.write("model/images.txt", images);
     home.write("model/points3D.txt", "");
     home.write("model/cameras.txt", "1 PINHOLE 240 180 216 216 120 90\n");
-    let poses = ["evaluate", "poses", "--estimate", "model", "--truth", "way/poses.txt", "--json"];
-    let report = home.run_json(&poses);
+    let poses = "evaluate poses --estimate model --truth way/poses.txt --json";
+    let report = home.run_json(poses);
     assert_eq!((&report["associated"], report["pairs"].as_array().map(Vec::len)), (&"time".into(), Some(3)));
     assert!(report["absolute"]["translation"]["max"].as_f64().is_some_and(|x| x < 1e-6), "{report}");
     // The lens is the camera that COLMAP's database is given.
-    let colmap =
-        ["colmap", "way/bursts", "--camera", "way/lens.toml", "--slopes-u", "-2:2:5", "--out", "rec", "--json"];
-    let report = home.run_json(&colmap);
+    let colmap = "colmap way/bursts --camera way/lens.toml --slopes-u -2:2:5 --out rec --json";
+    let report = home.run_json(colmap);
     assert_eq!(report["known_camera"], true);
     assert_eq!(report["cameras"][0]["model"], "PINHOLE");
     assert_eq!(report["cameras"][0]["params"], truth(&home.join("way"))["camera_params"]);
@@ -92,8 +91,8 @@ fn wrong_use_says_what_would_be_right() {
 fn methods_are_compared_on_a_trajectory() {
     let home = folder();
     home.run_well(&[&SMALL.words()[..], &["--snr", "1"]].concat());
-    let study = ["evaluate", "matches", "way/bursts", "--gold", "way/gold"];
-    let report = home.run_json(&[&study[..], &["--json"]].concat());
+    let study = "evaluate matches way/bursts --gold way/gold";
+    let report = home.run_json(&format!("{study} --json"));
     let rows = report["methods"].as_array().expect("rows");
     let methods: Vec<&str> = rows.iter().filter_map(|row| row["method"].as_str()).collect();
     // Without a range of slopes each burst's are found.
@@ -105,10 +104,10 @@ fn methods_are_compared_on_a_trajectory() {
     let inliers = |row: usize| rows[row]["inliers_per_image"].as_f64().expect("a number");
     assert!(inliers(3) > 2.0 * inliers(1), "{} and {} of one frame", inliers(3), inliers(1));
 
-    let text = home.run_well(&[&study[..], &["--slopes", "auto", "--methods", "buff-auto"]].concat());
+    let text = home.run_well(&format!("{study} --slopes auto --methods buff-auto"));
     assert!(text.contains("slopes found (min:max:count, px/frame)\n  burst_000: u "), "{text}");
-    let text = home.run_well(&[&study[..], &["--slopes-u", "-2:2:5", "--methods", "buff-1d"]].concat());
+    let text = home.run_well(&format!("{study} --slopes-u -2:2:5 --methods buff-1d"));
     assert!(text.contains("slopes of BuFF 1D u -2:2:5 v 0:0:1") && !text.contains("BuFF 2D"), "{text}");
-    let error = home.run_badly(&[&study[..], &["--slopes", "auto", "--methods", "sift-merge,buff-1d"]].concat(), 2);
+    let error = home.run_badly(&format!("{study} --slopes auto --methods sift-merge,buff-1d"), 2);
     assert!(error.contains("--slopes: ") && error.contains("buff-auto"), "{error}");
 }

@@ -17,22 +17,17 @@ use std::process::Command;
 /// Size of the frames.
 pub const SIZE: (usize, usize) = (260, 200);
 
-/// Three bursts of five frames, cut from one walk past a layered scene in `home`.
-pub fn walk(home: &Path) -> Vec<BurstFiles> {
-    let params = SceneParams {
-        width: SIZE.0,
-        height: SIZE.1,
-        frames: 15,
-        max_slope: 1.5,
-        snr: 20.0,
-        seed: 3,
-        ..SceneParams::default()
-    };
+/// Three bursts of five frames, cut from one walk past a layered scene in a folder, and a place for what is made.
+pub fn walk() -> (Folder, Vec<BurstFiles>, PathBuf) {
+    let (home, out) = folder_with("out");
+    let scene = SceneParams { width: SIZE.0, height: SIZE.1, frames: 15, ..SceneParams::default() };
+    let params = SceneParams { max_slope: 1.5, snr: 20.0, seed: 3, ..scene };
     let (burst, truth) = synth_scene(&params, &quiet()).expect("a scene");
     let film = home.join("film");
     write_burst(&film, &burst, &truth, &quiet()).expect("written");
     let sequence = &find_bursts(&[film], &OpenOptions::default()).expect("one sequence")[0];
-    cut_sequence(sequence, SequenceCut::new(5, None).expect("a cut"), &OpenOptions::default()).expect("three bursts")
+    let cut = SequenceCut::new(5, None).expect("a cut");
+    (home, cut_sequence(sequence, cut, &OpenOptions::default()).expect("three bursts"), out)
 }
 
 /// A job with few slopes and an unknown camera.
@@ -62,8 +57,8 @@ pub fn export(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> (Result<Col
     (report, failed)
 }
 
-fn written(home: &Path, known: bool) -> (ColmapReport, PathBuf) {
-    let out = home.join("out");
+fn written(known: bool) -> (Folder, ColmapReport, PathBuf) {
+    let (home, bursts, out) = walk();
     let job = if known {
         let rest = CameraChoice::Known(Camera::centred(SIZE.0, SIZE.1, 250.0));
         let cameras = BurstCameras { rest, ..BurstCameras::default() };
@@ -75,15 +70,14 @@ fn written(home: &Path, known: bool) -> (ColmapReport, PathBuf) {
     } else {
         job()
     };
-    let (report, failed) = export(&walk(home), &out, &job);
+    let (report, failed) = export(&bursts, &out, &job);
     assert!(failed.is_empty());
-    (report.expect("written"), out)
+    (home, report.expect("written"), out)
 }
 
 #[test]
 fn files_and_tables_agree() {
-    let home = folder();
-    let (report, out) = written(&home, false);
+    let (home, report, out) = written(false);
     let names: Vec<&str> = report.images.iter().map(|i| i.image.as_str()).collect();
     assert_eq!(names, ["frame_002.png", "frame_007.png", "frame_012.png"]);
     assert_eq!(
@@ -197,8 +191,7 @@ print(json.dumps({
 #[test]
 fn colmap_reads_what_was_written() {
     for known in [false, true] {
-        let home = folder();
-        let (report, out) = written(&home, known);
+        let (_home, report, out) = written(known);
         let answer = Command::new(python()).args(["-c", READ_ALL]).arg(&report.database).output().expect("it starts");
         assert!(answer.status.success(), "{}", String::from_utf8_lossy(&answer.stderr));
         let json: serde_json::Value = serde_json::from_slice(&answer.stdout).expect("JSON");
@@ -273,8 +266,7 @@ print(json.dumps(counts))
 #[needs::pycolmap]
 #[test]
 fn inliers_are_as_many_as_colmaps() {
-    let home = folder();
-    let (report, _) = written(&home, false);
+    let (_home, report, _) = written(false);
     let pairs: Vec<[u32; 2]> = report.pairs.iter().map(|pair| pair.ids).collect();
     let pairs = serde_json::to_string(&pairs).expect("JSON");
     let answer = Command::new(python()).args(["-c", ESTIMATE_ALL]).arg(&report.database).arg(pairs).output();
@@ -290,8 +282,7 @@ fn inliers_are_as_many_as_colmaps() {
 
 #[test]
 fn each_image_refers_to_its_own_camera_and_pairs_of_other_cameras_are_matched_anew() {
-    let home = folder();
-    let (bursts, out) = (walk(&home), home.join("out"));
+    let (_home, bursts, out) = walk();
     let names = ["frame_002", "frame_007", "frame_012"];
     let of = |focal_px| Camera::centred(SIZE.0, SIZE.1, focal_px);
     let own = |focal_px, from: &str| CameraChoice::Own(of(focal_px), from.into());
@@ -353,8 +344,7 @@ fn resumed(report: &ColmapReport) -> Vec<bool> {
 
 #[test]
 fn a_second_run_finds_everything_done_and_writes_the_same_bytes() {
-    let home = folder();
-    let (bursts, out) = (walk(&home), home.join("out"));
+    let (_home, bursts, out) = walk();
     let database = || fs::read(out.join("database.db")).expect("a file");
     assert_eq!(resumed(&done(&bursts, &out, &job())), [false; 3]);
     let first = database();
@@ -379,8 +369,7 @@ fn a_second_run_finds_everything_done_and_writes_the_same_bytes() {
 
 #[test]
 fn a_stack_has_all_depths_in_focus_and_is_the_same_if_it_is_asked_for_later() {
-    let home = folder();
-    let (bursts, out) = (walk(&home), home.join("out"));
+    let (home, bursts, out) = walk();
     // Slopes that are found, so that a later run has to know them.
     let found = FeatureJob { detector: SearchParams::default(), ..job().features };
     let stacked = ColmapJob { features: FeatureJob { images: ImageKind::Stack, ..found.clone() }, ..job() };
@@ -409,8 +398,7 @@ fn a_stack_has_all_depths_in_focus_and_is_the_same_if_it_is_asked_for_later() {
 
 #[test]
 fn other_parameters_or_other_frames_are_other_features() {
-    let home = folder();
-    let (bursts, out) = (walk(&home), home.join("out"));
+    let (home, bursts, out) = walk();
     done(&bursts, &out, &job());
     let mut weaker = job();
     weaker.features.detector.edge_threshold *= 1.5;
@@ -424,8 +412,7 @@ fn other_parameters_or_other_frames_are_other_features() {
 
 #[test]
 fn an_interrupted_run_is_continued() {
-    let home = folder();
-    let (bursts, out) = (walk(&home), home.join("out"));
+    let (_home, bursts, out) = walk();
     let monitor = Monitor::default();
     let mut on = |event: BurstEvent<'_>| {
         if let BurstEvent::Done(..) = event {
@@ -442,8 +429,7 @@ fn an_interrupted_run_is_continued() {
 
 #[test]
 fn a_broken_burst_is_left_out_and_a_foreign_folder_left_alone() {
-    let home = folder();
-    let (bursts, out) = (walk(&home), home.join("out"));
+    let (home, bursts, out) = walk();
     fs::write(home.join("film/frame_006.png"), "broken").expect("written");
     let (report, failed) = export(&bursts, &out, &job());
     let report = report.expect("written");
@@ -460,8 +446,7 @@ fn a_broken_burst_is_left_out_and_a_foreign_folder_left_alone() {
 
 #[test]
 fn what_makes_no_sense_is_said_before_anything_is_done() {
-    let home = folder();
-    let (bursts, out) = (walk(&home), home.join("out"));
+    let (_home, bursts, out) = walk();
     let error = |job: ColmapJob| export(&bursts, &out, &job).0.expect_err("refused").to_string();
     let unverified = MatchParams { geometry: Geometry::None, ..MatchParams::default() };
     assert!(error(ColmapJob { matching: unverified, ..job() }).contains("geometry"));

@@ -128,9 +128,7 @@ fn the_figure_is_a_valid_picture_with_every_method_named() {
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|n| n.has_tag_name(tag)).count();
     assert_eq!(count("path"), 3 * (BurstMethod::ALL.len() + 1), "and the line of the share");
-    for words in ["SNR 0.3", "SNR 0.6", "no noise", "false features", "discs found, of 14", "10 % false"] {
-        assert!(svg.contains(words), "{words}");
-    }
+    says(&svg, &["SNR 0.3", "SNR 0.6", "no noise", "false features", "discs found, of 14", "10 % false"]);
     assert!(BurstMethod::ALL.iter().all(|m| svg.contains(m.label())));
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
     // All curves lie inside their panels.

@@ -72,10 +72,7 @@ fn a_step_shows_its_numbers_and_how_many_of_its_features_are_drawn() {
     let (sweep, slope) = (Sweep::SlopeU(-1.0, 1.0, 3), Slope::default());
     let film = Film { burst, params, sweep, slope, detection: Some(found.clone()), max_side_px: 48 };
     // Titles are broken to the width of the picture.
-    let texts = texts_of(&film).join(" ");
-    for part in ["slope −1 px/frame: ", "slope 1 px/frame: ", "% of full scale"] {
-        assert!(texts.contains(part), "{part}: {texts}");
-    }
+    says(texts_of(&film).join(" "), &["slope −1 px/frame: ", "slope 1 px/frame: ", "% of full scale"]);
     let crowded = Detection { features: vec![found.features[0]; 100], ..Detection::clone(&found) };
     let slope = found.features[0].motion().0;
     let film = Film { sweep: Sweep::SlopeU(slope.u, slope.u, 1), slope, detection: Some(Arc::new(crowded)), ..film };
