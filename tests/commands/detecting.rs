@@ -100,8 +100,8 @@ fn the_number_of_threads_changes_nothing() {
 #[test]
 fn wrong_use_is_2_and_says_what_would_be_right() {
     let home = folder();
-    let cases: [(&[&str], &str); 17] = [
-        (&["detect", "demo"], "--out"),
+    for (arguments, words) in [
+        (&["detect", "demo"][..], "--out"),
         (&["detect", "--out", "x"], "<INPUT>"),
         (&["detect", "demo", "--out", "x", "--method", "surf"], "buff, sift"),
         (&["detect", "demo", "--out", "x", "--slopes-u", "3:-3:7"], "give the smaller slope first"),
@@ -118,8 +118,7 @@ fn wrong_use_is_2_and_says_what_would_be_right() {
         (&["stack", "demo", "--slope", "1,0", "--out", "x.png"], ".tiff"),
         (&["synth", "chart", "--out", "x", "--motion", "3d"], "1d, 2d"),
         (&["synth", "scene", "--out", "x", "--snr", "-1"], "snr"),
-    ];
-    for (arguments, words) in cases {
+    ] {
         says(home.run_badly(arguments, 2), &[words, "--help"]);
     }
     assert!(names(&home).is_empty(), "wrong use writes nothing");
@@ -129,15 +128,14 @@ fn wrong_use_is_2_and_says_what_would_be_right() {
 fn failures_are_1_and_name_the_file() {
     let home = folder();
     home.write("a file", "no picture");
-    let cases: [(&[&str], &str); 6] = [
-        (&["detect", "no such folder", "--out", "x"], "no such folder"),
+    for (arguments, words) in [
+        (&["detect", "no such folder", "--out", "x"][..], "no such folder"),
         (&["detect", "a file", "--out", "x"], "a file"),
         (&["detect", "demo", "--out", "a file/x"], "a file"),
         (&["detect", "demo", "--out", "x", "--params", "no.toml"], "no.toml"),
         (&["detect", "demo", "--out", "x", "--frames", "0..99"], "give A..B with B at most 10"),
         (&["no such input"], "no such input"),
-    ];
-    for (arguments, words) in cases {
+    ] {
         says(home.run_badly(arguments, 1), &[words]);
     }
     assert_eq!(names(&home), ["a file"]);

@@ -144,10 +144,9 @@ fn render_checks_frame_octave_level_and_slope() {
 #[test]
 fn parameter_camera_and_truth_files_are_files_of_a_sane_size() {
     let home = home_with(&["a"]);
-    let at = |name: &str| home.join(name);
-    File::create(at("large.toml")).and_then(|file| file.set_len(3 << 20)).expect("a hole is large");
-    std::os::unix::fs::symlink("/dev/zero", at("device.toml")).expect("linked");
-    assert!(Command::new("mkfifo").arg(at("pipe.toml")).status().expect("mkfifo runs").success());
+    File::create(home.join("large.toml")).and_then(|file| file.set_len(3 << 20)).expect("a hole is large");
+    std::os::unix::fs::symlink("/dev/zero", home.join("device.toml")).expect("linked");
+    assert!(Command::new("mkfifo").arg(home.join("pipe.toml")).status().expect("mkfifo runs").success());
     let refused = |line: &[&str], code: i32| {
         let mut command = home.program(line);
         let output = ended(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts"));

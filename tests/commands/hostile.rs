@@ -23,7 +23,7 @@ const LARGEST: &str = "9223372036854775807";
 fn a_number_that_no_file_can_keep_is_refused_where_it_is_read() {
     let home = folder();
     let beyond = ["9223372036854775808", "18446744073709551615", "99999999999999999999999"];
-    let commands = [
+    for command in [
         "detect demo-tripod --out o --json --max-features N",
         "detect demo-tripod --out o --json --frames 0..N",
         "detect demo-tripod --out o --take 0..N",
@@ -36,8 +36,7 @@ fn a_number_that_no_file_can_keep_is_refused_where_it_is_read() {
         "evaluate chart --seeds N",
         "render demo --out a.png --frame N",
         "detect demo-tripod --out o --memory N",
-    ];
-    for command in commands {
+    ] {
         for number in beyond {
             let command = command.replace('N', number);
             let words = command.words();
@@ -78,7 +77,7 @@ fn no_pipe_is_waited_for() {
     let list =
         "version = 1\ndid = [[{ open = [\"a\", \"demo-tripod\"] }], [{ open_features = [\"a\", \"./a.csv\"] }]]\n";
     home.write("list.toml", list);
-    let commands = [
+    for (command, code) in [
         ("info bag", Some(1)),
         ("detect bag --out found", None),
         ("info a.burstcase", Some(1)),
@@ -89,8 +88,7 @@ fn no_pipe_is_waited_for() {
         ("detect demo-tripod --out taken --octaves 1 --quiet", Some(1)),
         ("detect demo-tripod --out out --octaves 1 --quiet", Some(0)),
         ("synth chart --out out/made --frames 2 --quiet", Some(0)),
-    ];
-    for (command, code) in commands {
+    ] {
         let mut running = home.program(command);
         let output = ended(running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts"));
         assert!(code.is_none_or(|code| output.status.code() == Some(code)), "{command}: {}", stderr(&output));

@@ -140,31 +140,29 @@ fn where_a_closed_terminal_is_to_be_ignored_it_is() {
 fn work_on_a_film_stops_also_where_ffmpeg_hangs() {
     use std::os::unix::fs::PermissionsExt;
     let home = folder();
-    let at = |name: &str| home.join(name);
     home.make_dir("bin");
     home.write("bin/ffmpeg", "#!/bin/sh\n: > started\nsleep 600\necho late\n");
-    fs::set_permissions(at("bin/ffmpeg"), fs::Permissions::from_mode(0o755)).expect("a program");
+    fs::set_permissions(home.join("bin/ffmpeg"), fs::Permissions::from_mode(0o755)).expect("a program");
     home.write("a.mp4", b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2");
-    let path = format!("{}:{}", at("bin").display(), std::env::var("PATH").expect("a path"));
-    let commands: [&[&str]; 4] = [
-        &["film", "demo", "--sweep", "frames", "--no-features", "--out", "x.mp4"],
+    let path = format!("{}:{}", home.join("bin").display(), std::env::var("PATH").expect("a path"));
+    for arguments in [
+        &["film", "demo", "--sweep", "frames", "--no-features", "--out", "x.mp4"][..],
         &["info", "a.mp4"],
         &["detect", "a.mp4", "--out", "found"],
         &["stack", "a.mp4", "--slope", "0,0", "--out", "a.tiff"],
-    ];
-    for arguments in commands {
+    ] {
         for signal in ["-INT", "-TERM"] {
             let mut command = home.program(arguments);
             let child =
                 command.env("PATH", &path).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
             let begun = Instant::now();
-            while !at("started").exists() {
+            while !home.join("started").exists() {
                 assert!(begun.elapsed() < Duration::from_secs(120), "{arguments:?} starts no ffmpeg");
                 std::thread::sleep(Duration::from_millis(2));
             }
             send(signal, child.id());
             assert_eq!(ended(child).status.code(), Some(130), "{arguments:?} {signal}");
-            fs::remove_file(at("started")).expect("removed");
+            fs::remove_file(home.join("started")).expect("removed");
             let left = names(&home);
             assert!(left.iter().all(|name| ["a.mp4", "bin", "found"].contains(&name.as_str())), "{left:?}");
         }

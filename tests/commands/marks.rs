@@ -150,14 +150,13 @@ fn files_that_speak_of_the_program_are_not_its_own() {
     );
     let detect = [&["detect", "a", "--out", "out", "--format", "npz"][..], &SEARCH].concat();
     let probe = [&["probe", "a", "--at", "40,40", "--plot", "x.svg"][..], &SEARCH].concat();
-    let commands = [
+    for (command, file) in [
         (&["stack", "a", "--slope", "0,0", "--out", "x.tiff"][..], "x.tiff"),
         (&["film", "a", "--sweep", "frames", "--no-features", "--out", "x.gif"], "x.gif"),
         (&["film", "a", "--sweep", "frames", "--no-features", "--out", "y.png"], "y-003.png"),
         (&detect, "out/a.npz"),
         (&probe, "x.svg"),
-    ];
-    for (command, file) in commands {
+    ] {
         refused(&home, command, &["did not write this file", file, "--force"]);
         home.run_well(&[command, &["--force"]].concat());
         home.run_well(command);

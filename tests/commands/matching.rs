@@ -124,8 +124,8 @@ fn matches_may_stay_unverified_and_wrong_use_is_explained() {
     // Nothing was verified, so that there is no error, no inlier and no alignment, and no word for it.
     let is_empty = |line: &str| [8, 9, 10, 11, 12, 20].iter().all(|k| line.split(',').nth(*k) == Some(""));
     assert!(text.lines().skip(1).all(is_empty) && !text.contains("nan") && !text.contains("inf,"));
-    let cases: [(&[&str], i32, &str); 8] = [
-        (&["match", "demo", "demo", "--out", "x", "--drawn", "0"], 2, "give 'all' or"),
+    for (arguments, code, words) in [
+        (&["match", "demo", "demo", "--out", "x", "--drawn", "0"][..], 2, "give 'all' or"),
         (&["match", "demo", "demo", "--out", "x", "--width", "3"], 2, "88 for one column"),
         (&["match", "demo", "--out", "x"], 2, "<B>"),
         (&["match", "demo", "demo"], 2, "--out"),
@@ -133,8 +133,7 @@ fn matches_may_stay_unverified_and_wrong_use_is_explained() {
         (&["match", "demo", "demo", "--out", "x", "--geometry", "essential"], 2, "intrinsics"),
         (&["match", "demo", "gone", "--out", "x", "--method", "sift"], 1, "gone"),
         (&["merge", "demo", "--out", "x.png"], 2, ".tiff"),
-    ];
-    for (arguments, code, words) in cases {
+    ] {
         says(home.run_badly(arguments, code), &[words]);
     }
 }

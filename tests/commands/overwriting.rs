@@ -121,7 +121,7 @@ fn one_file_is_replaced_if_burstscope_wrote_it() {
     let small = ["--seeds", "1", "--snr", "2", "--methods", "sift-frame", "--width", "96", "--height", "72"];
     let chart_plot =
         [&["evaluate", "chart", "--plot", "c.svg", "--discs", "3", "--radius", "3:6"][..], &small].concat();
-    let commands = [
+    for (command, file) in [
         (&["stack", "a", "--slope", "0,0", "--out", "x.tiff"][..], "x.tiff"),
         (&["stack", "a", "--slope", "0,0", "--octave", "0", "--level", "1", "--out", "y.tif"], "y.tif"),
         (&["merge", "a", "--out", "z.tiff"], "z.tiff"),
@@ -130,8 +130,7 @@ fn one_file_is_replaced_if_burstscope_wrote_it() {
         (&["evaluate", "frames", "a", "--octaves", "2", "--plot", "f.svg"], "f.svg"),
         (&chart_plot, "c.svg"),
         (&render, "x.png"),
-    ];
-    for (command, file) in commands {
+    ] {
         // Made, made again, and made over an empty file, with which nothing can be lost.
         home.run_well(command);
         home.run_well(command);
@@ -205,7 +204,6 @@ fn noisy_copies_do_not_replace_their_originals() {
 #[test]
 fn a_dataset_does_not_write_over_its_frames_or_into_other_folders() {
     let home = home_with(&["nights/a", "nights/b"]);
-    let at = |name: &str| home.join(name);
     let colmap = |inputs: &[&str]| {
         [&["colmap"], inputs, &["--out", "rec"], &SEARCH].concat().iter().map(|s| s.to_string()).collect::<Vec<_>>()
     };
@@ -220,9 +218,9 @@ fn a_dataset_does_not_write_over_its_frames_or_into_other_folders() {
     says(run_colmap(&["rec/images/a.png", "nights/b"], 1), &["files that were opened are never written to"]);
     assert!(contents(&home) == before);
     // A link among its files, and a folder with a user's own file.
-    fs::remove_file(at("rec/database.db")).expect("removed");
+    fs::remove_file(home.join("rec/database.db")).expect("removed");
     home.write("precious.db", "precious");
-    std::os::unix::fs::symlink(at("precious.db"), at("rec/database.db")).expect("linked");
+    std::os::unix::fs::symlink(home.join("precious.db"), home.join("rec/database.db")).expect("linked");
     assert!(run_colmap(&["nights"], 1).contains("links are not followed"));
     assert_eq!(home.text("precious.db"), "precious");
     for command in

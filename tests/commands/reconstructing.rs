@@ -24,8 +24,7 @@ const TRUTH: &str =
 #[test]
 fn a_models_poses_are_compared_with_the_truth() {
     let home = folder();
-    let at = |name: &str| home.join(name);
-    model(&at("sparse/0"));
+    model(&home.join("sparse/0"));
     home.write("truth.txt", TRUTH);
     let arguments = "evaluate poses --estimate sparse --truth truth.txt";
     let text = home.run_well(arguments);
@@ -51,8 +50,7 @@ fn a_models_poses_are_compared_with_the_truth() {
 #[test]
 fn poses_that_cannot_be_compared_say_why() {
     let home = folder();
-    let at = |name: &str| home.join(name);
-    model(&at("0"));
+    model(&home.join("0"));
     let words = |arguments: &[&str], code| {
         home.run_badly(&[&["evaluate", "poses", "--estimate", "0", "--truth", "truth.txt"], arguments].concat(), code)
     };

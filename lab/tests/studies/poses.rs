@@ -168,7 +168,7 @@ fn places_count_where_times_say_nothing() {
 
 #[test]
 fn the_last_number_of_a_name_is_its_time() {
-    let cases = [
+    for (name, number) in [
         ("image.0023", Some(23.0)),
         ("1305031102.175304", Some(1305031102.175304)),
         ("frame_007_left", Some(7.0)),
@@ -177,8 +177,7 @@ fn the_last_number_of_a_name_is_its_time() {
         (".5", Some(5.0)),
         ("left", None),
         ("", None),
-    ];
-    for (name, number) in cases {
+    ] {
         let image = [named_pose(&format!("{name}.png"), 0, None)];
         let at = |time| associate(&image, &timed(&[time]), Some(Association::Time), 0.0).is_ok();
         assert_eq!((at(number.unwrap_or(0.0)), at(-1.0)), (number.is_some(), false), "{name}");

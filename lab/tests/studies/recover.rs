@@ -185,14 +185,13 @@ fn the_same_seeds_give_the_same_things_and_a_copy_can_be_made_again() {
 fn nonsense_is_named_and_cancelling_ends_it() {
     let (burst, _) = made(&chart(0, 0.5));
     let good = || RecoverStudy { search: search(SlopeGrid::line(-2.0..=2.0, 3)), copies: 2, ..RecoverStudy::default() };
-    let cases = [
+    for (study, start) in [
         (RecoverStudy { snrs: vec![0.0], ..good() }, "snr: "),
         (RecoverStudy { radii: vec![f64::NAN], ..good() }, "radius: "),
         (RecoverStudy { at_radius: 300.0, ..good() }, "at-radius: "),
         (RecoverStudy { copies: 0, ..good() }, "copies: "),
         (RecoverStudy { per_copy: Some(0), ..good() }, "per-copy: "),
-    ];
-    for (study, start) in cases {
+    ] {
         let error = study.run(&burst, &quiet()).expect_err(start).to_string();
         assert!(error.starts_with(start), "{error}");
     }

@@ -185,7 +185,7 @@ fn it_is_as_dark_as_was_asked_for() {
 
 #[test]
 fn nonsense_is_named_with_its_remedy() {
-    let cases = [
+    for (params, name) in [
         (TrajectoryParams { light: Light::Snr(0.0), ..small() }, "snr"),
         (TrajectoryParams { light: Light::Electrons(f64::NAN), ..small() }, "electrons"),
         (TrajectoryParams { width: 3, ..small() }, "width"),
@@ -194,8 +194,7 @@ fn nonsense_is_named_with_its_remedy() {
         (TrajectoryParams { bits: 17, ..small() }, "bits"),
         (TrajectoryParams { bursts: 0, ..small() }, "bursts"),
         (TrajectoryParams { planes: 17, ..small() }, "planes"),
-    ];
-    for (params, name) in cases {
+    ] {
         let error = Trajectory::new(&params, &quiet()).expect_err(name).to_string();
         assert!(error.starts_with(&format!("{name}: ")), "{error}");
     }

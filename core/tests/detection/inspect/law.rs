@@ -300,13 +300,12 @@ fn the_truth_beside_a_burst_is_found_and_a_wrong_one_refused() {
 fn every_feature_was_lost_somewhere_or_not_at_all() {
     let params = params();
     let (a, b) = (cache(&demo_burst(), &params), cache(&later_demo_burst(), &params));
-    let cases = [
+    for (geometry, predict) in [
         (Geometry::Fundamental, true),
         (Geometry::Fundamental, false),
         (Geometry::Homography, false),
         (Geometry::None, true),
-    ];
-    for (geometry, predict) in cases {
+    ] {
         let matching = MatchParams { geometry, predict, align: false, ..MatchParams::default() };
         let sides = [a.detection(), b.detection()].map(BurstSide::from);
         let sides = sides.each_ref().map(BurstSide::side);

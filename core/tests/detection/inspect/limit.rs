@@ -32,11 +32,10 @@ fn share(detection: &Detection) -> (f64, usize) {
 
 #[test]
 fn inside_and_at_the_end_of_the_range_hardly_any_feature_is_at_the_limit() {
-    let inside = [
+    for (grid, slopes) in [
         (line(), vec![(0.3, 0.0), (0.9, 0.0), (1.0, 0.0), (-1.0, 0.0), (1.2, 0.0)]),
         (plane(), vec![(0.3, -0.4), (1.0, 0.2), (1.0, -1.0)]),
-    ];
-    for (grid, slopes) in inside {
+    ] {
         for (u, v) in slopes {
             let (part, _) = share(&found(&uniform(Slope::new(u, v), FRAMES), grid));
             assert!(part < 0.05, "{u} {v}: {part}");
@@ -49,11 +48,10 @@ fn inside_and_at_the_end_of_the_range_hardly_any_feature_is_at_the_limit() {
 
 #[test]
 fn half_a_step_and_more_beyond_the_range_many_features_are_at_the_limit() {
-    let beyond = [
+    for (grid, slopes) in [
         (line(), vec![(1.4, 0.0), (1.6, 0.0), (-2.4, 0.0), (3.0, 0.0)]),
         (plane(), vec![(1.7, 0.1), (0.0, -1.7), (1.6, -1.6)]),
-    ];
-    for (grid, slopes) in beyond {
+    ] {
         for (u, v) in slopes {
             let detection = found(&uniform(Slope::new(u, v), FRAMES), grid);
             let (part, _) = share(&detection);

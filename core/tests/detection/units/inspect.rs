@@ -452,7 +452,7 @@ proptest! {
 #[test]
 fn nonsense_in_a_set_up_is_named_with_its_remedy() {
     let good = SetUp::default();
-    let cases = [
+    for (set_up, start) in [
         (SetUp { speed_m_s: -1.0, ..good }, "speed: "),
         (SetUp { frames_per_second: 0.0, ..good }, "fps: "),
         (SetUp { focal_px: f64::NAN, ..good }, "focal-px: "),
@@ -461,8 +461,7 @@ fn nonsense_in_a_set_up_is_named_with_its_remedy() {
         (SetUp { turn_deg_s: f64::INFINITY, ..good }, "turn-deg-s: "),
         (SetUp { direction_deg: 1e9, ..good }, "direction: "),
         (SetUp { depth_m: [1.0, 1e9], ..good }, "depth: "),
-    ];
-    for (set_up, start) in cases {
+    ] {
         let error = set_up.slopes(&Positions::even(10), &DetectorParams::default()).expect_err(start);
         assert!(error.starts_with(start), "{error}");
     }

@@ -32,7 +32,7 @@ fn small_chart() -> ChartParams {
 
 #[test]
 fn nonsense_in_a_chart_is_named_with_its_remedy() {
-    let cases = [
+    for (params, name) in [
         (ChartParams { discs: 5000, ..small_chart() }, "discs"),
         (ChartParams { radius: 5.0..=3.0, ..small_chart() }, "radius"),
         (ChartParams { contrast: 1.0, ..small_chart() }, "contrast"),
@@ -45,8 +45,7 @@ fn nonsense_in_a_chart_is_named_with_its_remedy() {
         (ChartParams { width: 32768, height: 32768, frames: 4096, ..small_chart() }, "frames"),
         (ChartParams { read_noise: -1.0, ..small_chart() }, "read-noise"),
         (ChartParams { gap: f64::NAN, ..small_chart() }, "gap"),
-    ];
-    for (params, name) in cases {
+    ] {
         let error = synth_chart(&params, &quiet()).expect_err(name).to_string();
         assert!(error.starts_with(&format!("{name}: ")), "{error}");
     }

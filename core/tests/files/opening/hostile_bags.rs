@@ -116,12 +116,11 @@ fn written(folder: &Folder, name: &str, bytes: &[u8]) -> PathBuf {
 fn checksums_that_are_there_are_compared() {
     let home = folder();
     let plain = || Recording { crc: crc32fast::hash(&Recording::plain().chunk), ..Recording::plain() };
-    let kinds = [
+    for (words, recording) in [
         ("the chunk at byte", plain()),
         ("its data", Recording { has_data_crc: true, ..Recording::plain() }),
         ("the chunk at byte", Recording { lists: Vec::new(), ..plain() }),
-    ];
-    for (words, recording) in kinds {
+    ] {
         let mut bytes = recording.bytes();
         let path = written(&home, "a.mcap", &bytes);
         let burst = open_with(&path, &OpenOptions::default()).expect("it is whole");

@@ -62,7 +62,7 @@ fn pictures_are_turned_as_the_camera_was_held() {
     // The brightest pixel is in the top right corner.
     let pixels: Vec<u8> = vec![10, 20, 200, 30, 40, 50];
     // For each orientation of EXIF: the size, and the position of the bright pixel.
-    let cases = [
+    for (orientation, size, (u, v)) in [
         (1, (3, 2), (2, 0)),
         (2, (3, 2), (0, 0)),
         (3, (3, 2), (0, 1)),
@@ -71,8 +71,7 @@ fn pictures_are_turned_as_the_camera_was_held() {
         (6, (2, 3), (1, 2)),
         (7, (2, 3), (1, 0)),
         (8, (2, 3), (0, 0)),
-    ];
-    for (orientation, size, (u, v)) in cases {
+    ] {
         let png = folder.join(format!("{orientation}.png"));
         let mut encoder = image::codecs::png::PngEncoder::new(fs::File::create(&png).expect("created"));
         encoder.set_exif_metadata(exif(orientation)).expect("PNG has a place for it");
@@ -167,15 +166,14 @@ fn planes_in_tiles_open_at_any_size() {
 #[test]
 fn a_film_that_is_none_is_refused_and_ffmpeg_is_named() {
     let folder = folder();
-    let starts: [(&str, &[u8]); 6] = [
-        ("it's.mp4", b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2"),
+    for (name, start) in [
+        ("it's.mp4", b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2".as_slice()),
         ("b.mov", b"\0\0\0\x14ftypqt  \0\0\0\0qt  "),
         ("c.mkv", b"\x1a\x45\xdf\xa3\x9f\x42\x86\x81\x01\x42"),
         ("d.avi", b"RIFF\x24\0\0\0AVI LIST\0\0\0\0"),
         ("e.gif", b"GIF89a\x01\0\x01\0\0\0\0"),
         ("f.mpg", b"\0\0\x01\xba\x44\0\x04\0"),
-    ];
-    for (name, start) in starts {
+    ] {
         let path = folder.join(name);
         fs::write(&path, start).expect("written");
         let error = open(&[path]).expect_err(name);
@@ -196,14 +194,13 @@ fn a_film_that_is_none_is_refused_and_ffmpeg_is_named() {
 #[test]
 fn real_bursts_open() {
     let data = shared("data");
-    let cases = [
+    for (name, frames, size) in [
         ("buff-demo-1d", 5, (800, 640)),
         ("buff-demo-2d", 5, (200, 200)),
         ("slider-far", 60, (240, 180)),
         ("visp-cube", 40, (384, 288)),
         ("light-field-shop", 27, (960, 640)),
-    ];
-    for (name, frames, size) in cases {
+    ] {
         let burst = Burst::open(data.join(name)).expect(name);
         assert_eq!((burst.name.as_str(), burst.len(), burst.size(), burst.full_scale), (name, frames, size, 255.0));
         let values = burst.frames.iter().flat_map(|f| f.data());

@@ -257,12 +257,11 @@ fn archives_hold_one_array_of_frames() {
 
 #[test]
 fn channels_and_depths_are_never_taken_for_time() {
-    let files: [(&str, &[u8], usize); 3] = [
+    for (name, bytes, others) in [
         ("imagej_tcyx.tif", sample!("imagej_tcyx.tif"), 3),
         ("ome_tzyx.ome.tif", sample!("ome_tzyx.ome.tif"), 3),
         ("shaped_tcyx.tif", sample!("shaped_tcyx.tif"), 2),
-    ];
-    for (name, bytes, others) in files {
+    ] {
         let file = Made::new(name, bytes);
         let other = if name.contains("tz") { "Z" } else { "C" };
         says(file.failure(&plain()), &[&format!("{others} "), "--axis T"]);
@@ -492,12 +491,11 @@ fn films_are_decoded_by_ffmpeg_with_all_bits() {
 
 #[test]
 fn formats_of_others_are_refused_with_what_reads_them() {
-    let starts: [(&str, &[u8], &str); 3] = [
-        ("a.h5", b"\x89HDF\r\n\x1a\n\0\0", "h5py"),
+    for (name, start, way) in [
+        ("a.h5", b"\x89HDF\r\n\x1a\n\0\0".as_slice(), "h5py"),
         ("a.mat", b"MATLAB 5.0 MAT-file, Platform", "scipy.io"),
         ("a.fits.gz", b"\x1f\x8b\x08\0", "gunzip"),
-    ];
-    for (name, start, way) in starts {
+    ] {
         says(Made::new(name, start).failure(&plain()), &[way]);
     }
 }
