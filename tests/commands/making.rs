@@ -17,17 +17,8 @@ fn a_chart_opens_again_with_the_very_same_values() {
         names(&folder),
         [".burstscope.json", "frame_000.png", "frame_001.png", "frame_002.png", "frame_003.png", "truth.json"]
     );
-    let params = ChartParams {
-        width: 200,
-        height: 150,
-        discs: 6,
-        radius: 3.6..=9.0,
-        frames: 4,
-        snr: 1.5,
-        motion: Motion::TwoD,
-        seed: 11,
-        ..ChartParams::default()
-    };
+    let params = ChartParams { width: 200, height: 150, discs: 6, radius: 3.6..=9.0, ..ChartParams::default() };
+    let params = ChartParams { frames: 4, snr: 1.5, motion: Motion::TwoD, seed: 11, ..params };
     let (made, known) = synth_chart(&params, &Monitor::default()).expect("a chart");
     let opened = Burst::open(&folder).expect("it opens");
     assert_eq!(opened.frames, made.frames);

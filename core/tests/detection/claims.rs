@@ -266,16 +266,8 @@ fn several_things_that_move_are_no_picture_that_grows() {
     assert_eq!(find(&burst).warnings, []);
     for seed in seeds(12) {
         let discs = 4 + seed as usize % 8;
-        let chart = ChartParams {
-            width: 320,
-            height: 240,
-            discs,
-            frames: 8,
-            snr: 5.0,
-            motion: Motion::TwoD,
-            seed,
-            ..ChartParams::default()
-        };
+        let chart = ChartParams { width: 320, height: 240, discs, frames: 8, snr: 5.0, ..ChartParams::default() };
+        let chart = ChartParams { motion: Motion::TwoD, seed, ..chart };
         let (burst, _) = synth_chart(&chart, &quiet()).expect("a chart");
         assert_eq!(find(&burst).warnings, [], "{seed}");
     }

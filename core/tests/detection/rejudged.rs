@@ -150,13 +150,8 @@ proptest! {
 #[test]
 fn what_the_search_did_not_leave_needs_another() {
     let burst = scene(3, (110, 90), false);
-    let params = DetectorParams {
-        slopes: SlopeGrid::line(-1.0..=1.0, 5),
-        noise_gate: NoiseGate::Factor(5.0),
-        peak_threshold: 0.001,
-        octaves: 3,
-        ..DetectorParams::default()
-    };
+    let params = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 5), ..DetectorParams::default() };
+    let params = DetectorParams { noise_gate: NoiseGate::Factor(5.0), peak_threshold: 0.001, octaves: 3, ..params };
     let first = searched(&burst, &params).trail;
     assert!(rejudged(&first, &params).is_some());
     for changed in [

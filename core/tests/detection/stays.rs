@@ -9,17 +9,8 @@ use crate::prelude::*;
 /// Frames of textured layers in a little light, whose last pixels along both sides are no whole ones of coarse octaves.
 fn scene(seed: u64) -> Burst {
     let (width, height) = (400, 300);
-    let params = SceneParams {
-        width,
-        height,
-        frames: 8,
-        layers: 3,
-        max_slope: 1.5,
-        motion: Motion::OneD,
-        snr: 1.5,
-        seed,
-        ..SceneParams::default()
-    };
+    let params = SceneParams { width, height, frames: 8, layers: 3, max_slope: 1.5, ..SceneParams::default() };
+    let params = SceneParams { motion: Motion::OneD, snr: 1.5, seed, ..params };
     synth_scene(&params, &quiet()).expect("valid parameters").0
 }
 

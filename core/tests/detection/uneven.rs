@@ -6,15 +6,8 @@ use burstscope_core::inspect::result::finds;
 use proptest::prelude::*;
 
 fn chart(uneven: Uneven, motion: Motion) -> (Burst, Truth) {
-    let params = ChartParams {
-        width: 400,
-        height: 300,
-        discs: 30,
-        frames: 12,
-        snr: 1.5,
-        max_slope: 2.5,
-        ..ChartParams::default()
-    };
+    let params = ChartParams { width: 400, height: 300, discs: 30, frames: 12, snr: 1.5, ..ChartParams::default() };
+    let params = ChartParams { max_slope: 2.5, ..params };
     synth_chart(&ChartParams { uneven, motion, ..params }, &quiet()).expect("a chart")
 }
 

@@ -6,16 +6,8 @@ use burstscope_core::inspect::result::finds;
 
 fn chart(rows: usize, columns: usize, snr: f64) -> (Burst, Truth) {
     let uneven = Uneven { views: ViewGrid::new(rows, columns), ..Uneven::default() };
-    let params = ChartParams {
-        width: 320,
-        height: 260,
-        discs: 24,
-        radius: 3.6..=12.0,
-        max_slope: 2.0,
-        snr,
-        uneven,
-        ..ChartParams::default()
-    };
+    let params = ChartParams { width: 320, height: 260, discs: 24, radius: 3.6..=12.0, ..ChartParams::default() };
+    let params = ChartParams { max_slope: 2.0, snr, uneven, ..params };
     synth_chart(&params, &quiet()).expect("a chart")
 }
 
@@ -93,15 +85,8 @@ fn disparities_are_those_of_the_truth_and_all_views_show_more_than_one_row() {
 
 #[test]
 fn slopes_are_found_along_the_disparity_alone_and_nothing_is_said_of_time() {
-    let params = SceneParams {
-        width: 320,
-        height: 240,
-        layers: 3,
-        max_slope: 1.5,
-        snr: 2.0,
-        uneven: Uneven { views: ViewGrid::new(5, 5), ..Uneven::default() },
-        ..SceneParams::default()
-    };
+    let params = SceneParams { width: 320, height: 240, layers: 3, max_slope: 1.5, snr: 2.0, ..SceneParams::default() };
+    let params = SceneParams { uneven: Uneven { views: ViewGrid::new(5, 5), ..Uneven::default() }, ..params };
     let (views, truth) = synth_scene(&params, &quiet()).expect("a scene");
     let finding = find_slopes(&views, &DetectorParams::default(), None, &quiet()).expect("not cancelled");
     assert_eq!((finding.verdict, finding.warnings.len()), (SlopeVerdict::Found, 0), "{}", finding.summary());

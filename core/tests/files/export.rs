@@ -415,14 +415,8 @@ proptest! {
         let [u, v, sigma, orientation] = values;
         let motion = Some([[u, v], [sigma, orientation]]);
         let mark = FigureMark { centre: [u, v], radius: sigma, orientation: Some(orientation), motion, ..panel(&[]).marks[0] };
-        let one = FigurePanel {
-            size: (1, 1),
-            rgba: Arc::new(vec![0; 4]),
-            marks: vec![mark],
-            title: Some(title.clone()),
-            legend,
-            ..panel(&[])
-        };
+        let one = FigurePanel { size: (1, 1), rgba: Arc::new(vec![0; 4]), marks: vec![mark], ..panel(&[]) };
+        let one = FigurePanel { title: Some(title.clone()), legend, ..one };
         write_drawing(&path, &lay_out(&[vec![one]], &FigureMatches::default(), &options)).expect("written");
         let text = fs::read_to_string(&path).expect("read");
         prop_assert!(roxmltree::Document::parse(&text).is_ok());

@@ -216,13 +216,8 @@ fn axes_read_what_they_write_and_refuse_the_rest() {
 
 #[test]
 fn rules_bring_their_parameters_and_leave_what_is_searched() {
-    let mine = DetectorParams {
-        slopes: SlopeGrid::line(-2.0..=2.0, 5),
-        first_octave: -1,
-        max_features: 7,
-        levels: 6,
-        ..DetectorParams::default()
-    };
+    let mine = DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), first_octave: -1, ..DetectorParams::default() };
+    let mine = DetectorParams { max_features: 7, levels: 6, ..mine };
     let paper = mine.clone().under(Rules::BUFF);
     assert_eq!((paper.slopes, paper.first_octave, paper.max_features), (mine.slopes, -1, 7));
     assert_eq!((paper.slope_extrema, paper.distinct, paper.levels), (SlopeExtrema::Joint, Distinct::Off, 4));

@@ -9,13 +9,8 @@ use burstscope_lab::evaluate::{BurstMethod, ChartStudy, RowStudy};
 
 fn report() -> ChartReport {
     let chart = ChartParams { width: 160, height: 120, discs: 4, radius: 4.0..=9.0, ..ChartParams::default() };
-    let study = ChartStudy {
-        chart,
-        snrs: vec![1.5, 0.8],
-        seeds: 2,
-        methods: vec![BurstMethod::SiftMean, BurstMethod::Buff1d],
-        ..ChartStudy::default()
-    };
+    let study = ChartStudy { chart, snrs: vec![1.5, 0.8], seeds: 2, ..ChartStudy::default() };
+    let study = ChartStudy { methods: vec![BurstMethod::SiftMean, BurstMethod::Buff1d], ..study };
     study.run(&quiet()).expect("a report")
 }
 

@@ -56,13 +56,8 @@ fn matched_again(way: &Trajectory, detector: &DetectorParams, predict: bool) -> 
         height: way.lens.height,
         params: way.lens.colmap_params().to_vec(),
     };
-    let matching = MatchParams {
-        geometry: Geometry::Essential,
-        camera: Some(camera),
-        predict,
-        align: false,
-        ..MatchParams::default()
-    };
+    let matching = MatchParams { geometry: Geometry::Essential, camera: Some(camera), ..MatchParams::default() };
+    let matching = MatchParams { predict, align: false, ..matching };
     let mut sum = Matched::default();
     for (index, pair) in found.windows(2).enumerate() {
         let sides = [BurstSide::from(&pair[0]), BurstSide::from(&pair[1])];

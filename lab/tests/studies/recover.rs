@@ -10,16 +10,8 @@ use std::sync::Mutex;
 
 /// Frames of a camera's noise over an even background, with `discs` discs.
 fn chart(discs: usize, snr: f64) -> ChartParams {
-    ChartParams {
-        width: 320,
-        height: 240,
-        discs,
-        radius: 5.0..=5.0001,
-        frames: 8,
-        snr,
-        max_slope: 2.0,
-        ..ChartParams::default()
-    }
+    let rest = ChartParams { width: 320, height: 240, discs, radius: 5.0..=5.0001, ..ChartParams::default() };
+    ChartParams { frames: 8, snr, max_slope: 2.0, ..rest }
 }
 
 fn made(params: &ChartParams) -> (Burst, Truth) {
@@ -38,14 +30,8 @@ fn run(study: &RecoverStudy, burst: &Burst) -> RecoverReport {
 fn half_are_found_at_the_snr_that_noise_and_gate_say() {
     let (burst, _) = made(&chart(0, 0.5));
     for (shape, contrast) in [(Shape::Disc, Contrast::Bright), (Shape::Blob, Contrast::Dark)] {
-        let study = RecoverStudy {
-            search: search(SlopeGrid::line(-2.0..=2.0, 9)),
-            shape,
-            contrast,
-            copies: 10,
-            inside: true,
-            ..RecoverStudy::default()
-        };
+        let study = RecoverStudy { search: search(SlopeGrid::line(-2.0..=2.0, 9)), shape, ..RecoverStudy::default() };
+        let study = RecoverStudy { contrast, copies: 10, inside: true, ..study };
         let report = run(&study, &burst);
         let half = report.half.expect("within the levels");
         let ratio = half.snr / report.levels.expected_half;
@@ -75,15 +61,8 @@ fn planted_discs_are_found_as_those_of_a_chart() {
     let of_chart = &counted.rows[0].methods[0].default_true_positives;
     let (share, error) = (of_chart.mean / 9.0, of_chart.standard_error.expect("several") / 9.0);
     let (burst, _) = made(&ChartParams { discs: 0, ..with_discs });
-    let study = RecoverStudy {
-        search: search(grid),
-        snrs: vec![0.27],
-        at_snr: Some(0.27),
-        copies: 12,
-        per_copy: Some(27),
-        inside: true,
-        ..RecoverStudy::default()
-    };
+    let study = RecoverStudy { search: search(grid), snrs: vec![0.27], at_snr: Some(0.27), ..RecoverStudy::default() };
+    let study = RecoverStudy { copies: 12, per_copy: Some(27), inside: true, ..study };
     let report = run(&study, &burst);
     let planted = report.over_snr[0];
     let p = planted.share();

@@ -102,13 +102,8 @@ fn to_l1_root(l2: &[f32]) -> [f32; 128] {
 fn check_vlfeat(name: &str, image: &str, first_octave: i32, peak_of_255: f32, missed: f32, extra: f32) {
     let golden = shared("goldens/vlsift");
     let burst = open(&[shared(image)]);
-    let params = DetectorParams {
-        method: Method::Sift,
-        first_octave,
-        peak_threshold: peak_of_255 / 255.0,
-        octaves: 16,
-        ..DetectorParams::default().under(Rules::VLFEAT)
-    };
+    let params = DetectorParams { method: Method::Sift, ..DetectorParams::default().under(Rules::VLFEAT) };
+    let params = DetectorParams { first_octave, peak_threshold: peak_of_255 / 255.0, octaves: 16, ..params };
     let ours = detect(&burst, &params, &quiet()).expect("valid parameters");
     let text = fs::read_to_string(golden.join(format!("{name}.frame"))).expect("the frames are there");
     let theirs: Vec<Frame> = text
@@ -148,13 +143,9 @@ fn vlfeat_from_octave_minus_1() {
 
 fn check_liff(first_octave: i32, missed: f32, extra: f32, missed_inside: f32) {
     let (burst, golden) = (demo_1d(), shared(&format!("goldens/liff1d/first_octave_{first_octave}")));
-    let params = DetectorParams {
-        slopes: SlopeGrid::line(-4.0..=4.0, 9),
-        first_octave,
-        peak_threshold: 0.02,
-        octaves: 16,
-        ..DetectorParams::default().under(Rules::LIFF)
-    };
+    let params =
+        DetectorParams { slopes: SlopeGrid::line(-4.0..=4.0, 9), ..DetectorParams::default().under(Rules::LIFF) };
+    let params = DetectorParams { first_octave, peak_threshold: 0.02, octaves: 16, ..params };
     let ours = detect(&burst, &params, &quiet()).expect("valid parameters");
     let text = fs::read_to_string(golden.join("features.csv")).expect("the features are there");
     let theirs: Vec<Frame> = text

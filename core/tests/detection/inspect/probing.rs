@@ -169,13 +169,8 @@ fn a_change_that_makes_no_sense_is_refused() {
 }
 
 fn params(slope_extrema: SlopeExtrema) -> DetectorParams {
-    DetectorParams {
-        slopes: SlopeGrid::line(-2.0..=2.0, 5),
-        octaves: 2,
-        slope_extrema,
-        noise_gate: NoiseGate::Factor(3.0),
-        ..DetectorParams::default()
-    }
+    let rest = DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), octaves: 2, ..DetectorParams::default() };
+    DetectorParams { slope_extrema, noise_gate: NoiseGate::Factor(3.0), ..rest }
 }
 
 #[test]
