@@ -159,10 +159,8 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
                 apply::staged::show_document(&mut model, document, Reselect::Feature(session.selection));
                 let focus = model.document.focus();
                 model.document.panes.split(focus, burstscope::app::pane::Direction::Right);
-                assert!(
-                    model.document.cursor().slope.u.is_finite() && model.document.look.smoothing_px <= 8.0,
-                    "{path} = {value}"
-                );
+                assert!(model.document.cursor().slope.u.is_finite(), "{path} = {value}");
+                assert!(model.document.look.smoothing_px <= 8.0, "{path} = {value}");
                 if path.starts_with("burst.") {
                     // It is made or refused; what cannot be seen beforehand is said when it is opened.
                     let made = session.burst.burst(&Default::default(), &Monitor::default());

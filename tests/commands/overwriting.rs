@@ -320,10 +320,8 @@ fn a_folder_that_is_removed_while_it_is_written_is_an_error() {
         let mut running = running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
         let end = Instant::now() + Duration::from_secs(300);
         while !out.join(first).exists() {
-            assert!(
-                Instant::now() < end && running.try_wait().expect("a state").is_none(),
-                "{command:?} came to no file"
-            );
+            assert!(Instant::now() < end, "{command:?} came to no file");
+            assert!(running.try_wait().expect("a state").is_none(), "{command:?} came to no file");
             std::thread::sleep(Duration::from_millis(5));
         }
         fs::remove_dir_all(&out).expect("removed");

@@ -65,12 +65,8 @@ fn a_search_over_a_line_and_over_a_plane_of_slopes_stay_within_their_bounds() {
         println!("{name}: {count} features, {} MB over the burst, at most {} MB", peak / MB, bound / MB);
         let estimate = memory::estimate(&params_of, burst.len(), burst.size());
         println!("{name}: estimated {} MB", estimate / MB);
-        assert!(
-            estimate >= peak && estimate < peak.max(bound / 4) * 6,
-            "{name}: {} MB estimated, {} MB taken",
-            estimate / MB,
-            peak / MB
-        );
+        assert!(estimate >= peak, "{name}: {} MB estimated, {} MB taken", estimate / MB, peak / MB);
+        assert!(estimate < peak.max(bound / 4) * 6, "{name}: {} MB estimated, {} MB taken", estimate / MB, peak / MB);
         assert!(count > 1000, "a search that finds little needs little: {count} features");
         assert!(peak < bound * 9 / 10, "{name}: {} MB of {} MB", peak / MB, bound / MB);
     }

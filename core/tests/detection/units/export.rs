@@ -108,12 +108,8 @@ fn wrong_pictures_are_refused_and_cancelling_ends_it() {
     let failing = (2, [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))]);
     let error = encode_film(&mut Vec::new(), failing, 10, &quiet());
     assert!(error.is_err_and(|error| error.to_string() == "no picture"));
-    assert!(
-        is_film(Path::new("a/b.GIF"))
-            && is_film(Path::new("a.mp4"))
-            && !is_film(Path::new("a.apng"))
-            && !is_film(Path::new("gif"))
-    );
+    assert!(is_film(Path::new("a/b.GIF")));
+    assert!(is_film(Path::new("a.mp4")) && !is_film(Path::new("a.apng")) && !is_film(Path::new("gif")));
 }
 
 #[test]

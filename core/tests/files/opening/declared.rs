@@ -339,10 +339,8 @@ fn the_mosaic_of_a_tiff_is_used_however_the_camera_was_held() {
     assert_eq!(silent.open(&given("mosaic rggb")).expect("opens").size(), (4, 3));
     let odd = tiff_of_sensor(&[0, 1, 2, 1], 1);
     assert!(odd.refusal("").contains("--mosaic none"), "{}", odd.refusal(""));
-    assert_eq!(
-        (odd.open(&given("mosaic none")).expect("opens").size(), odd.info(&given("mosaic none")).binning),
-        ((9, 7), 1)
-    );
+    assert_eq!(odd.open(&given("mosaic none")).expect("opens").size(), (9, 7));
+    assert_eq!(odd.info(&given("mosaic none")).binning, 1);
 }
 
 #[test]
@@ -352,15 +350,10 @@ fn fits_files_tell_their_mosaic_their_colours_and_their_times() {
     for pattern in ["RGGB", "GBRG", "bggr"] {
         let file =
             Made::new("m.fits", &image(&[&format!("BAYERPAT= '{pattern}    '"), "XBAYROFF=                    1"]));
-        assert_eq!(
-            (file.info(&given("")).binning, file.open(&given("")).expect("opens").size()),
-            (2, (4, 3)),
-            "{pattern}"
-        );
-        assert_eq!(
-            (file.info(&given("mosaic none")).binning, file.open(&given("mosaic none")).expect("opens").size()),
-            (1, (8, 6))
-        );
+        assert_eq!(file.info(&given("")).binning, 2, "{pattern}");
+        assert_eq!(file.open(&given("")).expect("opens").size(), (4, 3), "{pattern}");
+        assert_eq!(file.info(&given("mosaic none")).binning, 1);
+        assert_eq!(file.open(&given("mosaic none")).expect("opens").size(), (8, 6));
     }
     assert_eq!(Made::new("n.fits", &image(&["BAYERPAT= 'TRUE    '"])).info(&given("")).binning, 1);
     for (card, at) in [

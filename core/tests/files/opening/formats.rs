@@ -360,10 +360,8 @@ fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
     stack(&path);
     let film = BurstFiles { name: "film".into(), paths: vec![path.clone()] };
     let error = cut_sequence(&film, cut, &OpenOptions::default()).expect_err("a stack");
-    assert!(
-        error.problem.contains("this one file holds several frames") && error.subject == path.display().to_string(),
-        "{error}"
-    );
+    assert!(error.problem.contains("this one file holds several frames"), "{error}");
+    assert!(error.subject == path.display().to_string(), "{error}");
     let error = cut_sequence(sequence, cut, &OpenOptions::default()).expect_err("a stack among frames");
     assert!(error.problem.contains("this one file holds"), "{error}");
 }

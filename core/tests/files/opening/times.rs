@@ -85,10 +85,8 @@ fn names_have_stamps_and_units_are_guessed() {
         (["run2_000033_a7.png", "run2_000066_b8.png", "run2_000099_c9.png"], 2.0, 0.033),
     ] {
         let (positions, interval, note) = timed(with_list(&names, "", "names"));
-        assert!(
-            (positions[2] - last).abs() < 1e-4 && (interval - interval_s).abs() < 1e-6,
-            "{names:?}: {positions:?} {interval}"
-        );
+        assert!((positions[2] - last).abs() < 1e-4, "{names:?}: {positions:?} {interval}");
+        assert!((interval - interval_s).abs() < 1e-6, "{names:?}: {positions:?} {interval}");
         assert!(note.contains("in the names"), "{note}");
     }
 }
