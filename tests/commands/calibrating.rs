@@ -19,9 +19,7 @@ fn spotted() -> Folder {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 26) as u16
     };
-    for t in 0..6 {
-        picture(&mut noise).save(home.join(format!("night/{t}.png"))).expect("written");
-    }
+    (0..6).for_each(|t| picture(&mut noise).save(home.join(format!("night/{t}.png"))).expect("written"));
     picture(&mut || 32).save(home.join("bias.png")).expect("written");
     home
 }

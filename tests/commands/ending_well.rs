@@ -52,9 +52,7 @@ fn names_that_are_no_text_work_everywhere() {
     let home = folder();
     let odd = |text: &[u8]| OsString::from_vec(text.to_vec());
     let folder = odd(b"n\xffight");
-    for name in [&b"n\xffight/a\xfe"[..], b"n\xffight/b"] {
-        chart(&home, odd(name));
-    }
+    [&b"n\xffight/a\xfe"[..], b"n\xffight/b"].into_iter().for_each(|name| chart(&home, odd(name)));
     let (one, tiff, png, out) = (odd(b"n\xffight/a\xfe"), odd(b"m\xff.tiff"), odd(b"w\xff.png"), odd(b"o\xffut"));
     let small = ["--size", "640x480", "--no-detect"].map(os);
     let search = SEARCH.map(os);

@@ -78,9 +78,7 @@ fn what_moves_by_itself_does_not_become_a_ghost() {
     let mut burst = moving_burst((0.0, 0.0), 0.01, 7, 5);
     for (t, frame) in burst.frames.iter_mut().enumerate() {
         let mut plane = (**frame).clone();
-        for v in 100..130 {
-            plane.row_mut(v)[20 + 40 * t..50 + 40 * t].fill(1.0);
-        }
+        (100..130).for_each(|v| plane.row_mut(v)[20 + 40 * t..50 + 40 * t].fill(1.0));
         *frame = Arc::new(plane);
     }
     let image = merged(&burst);

@@ -267,9 +267,7 @@ fn scene(
             pairs.push(PointPair { a: moved(in_a), b: moved(in_b), rank: 0.0 });
         }
     }
-    for _ in 0..outliers {
-        pairs.push(PointPair { a: place(random, a), b: place(random, b), rank: 0.0 });
-    }
+    (0..outliers).for_each(|_| pairs.push(PointPair { a: place(random, a), b: place(random, b), rank: 0.0 }));
     // Shuffled, so that no order helps.
     let mut is_true: Vec<bool> = (0..pairs.len()).map(|i| i < inliers).collect();
     for i in (1..pairs.len()).rev() {

@@ -9,9 +9,7 @@ fn a_folder_is_ours_as_long_as_nobody_changes_it() {
     let home = folder();
     let at = |name: &str| home.join(name);
     fs::create_dir(at("deep")).expect("made");
-    for name in ["a.png", "deep/b.png"] {
-        fs::write(at(name), name).expect("written");
-    }
+    ["a.png", "deep/b.png"].into_iter().for_each(|name| fs::write(at(name), name).expect("written"));
     let is_ours = |kind| is_unchanged(&home, kind).expect("it can be read");
     assert!(!is_ours(OutputKind::Burst), "it has no mark");
     seal_folder(&home, OutputKind::Burst).expect("marked");

@@ -99,9 +99,7 @@ fn a_jpeg_whose_codes_lead_nowhere_is_refused_and_what_follows_its_end_is_not_re
 #[test]
 fn damaged_jpegs_are_taken_where_that_is_asked_for_and_named() {
     let folder = folder();
-    for t in 0..3 {
-        save(&folder.join(format!("{t}.jpg")), &noise());
-    }
+    (0..3).for_each(|t| save(&folder.join(format!("{t}.jpg")), &noise()));
     let path = folder.join("1.jpg");
     let sound = fs::read(&path).expect("read");
     fs::write(&path, &sound[..sound.len() / 2]).expect("written");

@@ -410,9 +410,7 @@ fn dates_of_files_go_there_and_back() {
 
 fn ser(frames: u32, bits: u32, values: &[u16], stamps: &[u64]) -> Vec<u8> {
     let mut bytes = b"LUCAM-RECORDER".to_vec();
-    for number in [0, 0, 0, 4, 2, bits, frames] {
-        bytes.extend(number.to_le_bytes());
-    }
+    [0, 0, 0, 4, 2, bits, frames].into_iter().for_each(|number| bytes.extend(number.to_le_bytes()));
     bytes.resize(178, b' ');
     bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
     bytes.extend(stamps.iter().flat_map(|v| v.to_le_bytes()));

@@ -69,9 +69,7 @@ fn a_pipe_is_refused_instead_of_waited_for() {
 #[test]
 fn a_bad_picture_in_a_folder_is_named_and_never_skipped() {
     let folder = folder();
-    for t in 1..=4 {
-        save(&folder.join(format!("{t}.png")), &grey8(30, 20, t));
-    }
+    (1..=4).for_each(|t| save(&folder.join(format!("{t}.png")), &grey8(30, 20, t)));
     let good = fs::read(folder.join("3.png")).expect("read");
     fs::write(folder.join("3.png"), &good[..good.len() / 2]).expect("written");
     let error = Burst::open(&folder).expect_err("truncated");
@@ -198,9 +196,7 @@ fn limits_are_checked_before_memory_is_taken() {
     tiff_pages::<colortype::Gray8>(&at("long.tif"), (2, 2), &vec![vec![0; 4]; 4]);
     fails(&at("long.tif"), "4 frames");
     fs::create_dir(at("many")).expect("made");
-    for t in 0..3 {
-        save(&at(&format!("many/{t}.png")), &grey8(30, 30, 0));
-    }
+    (0..3).for_each(|t| save(&at(&format!("many/{t}.png")), &grey8(30, 30, 0)));
     fails(&at("many"), "3 × 30×30");
     // Two frames at the edge of what is allowed open.
     fs::create_dir(at("edge")).expect("made");

@@ -94,9 +94,7 @@ fn multi_page_tiffs_of_every_type_come_back() {
         let burst = Burst::open(&path).expect("opens");
         assert_eq!((burst.len(), burst.size(), burst.name.as_str()), (3, (2, 1), "stack"));
         assert_eq!((burst.full_scale, burst.quantisation_step), (full_scale, step));
-        for (frame, page) in burst.frames.iter().zip(pages) {
-            assert_close(frame.data(), &page);
-        }
+        burst.frames.iter().zip(pages).for_each(|(frame, page)| assert_close(frame.data(), &page));
         assert_eq!(burst.frame_names[2], "stack.tif [2]");
     };
     let size = (2, 1);
@@ -294,9 +292,7 @@ fn named_files_keep_the_order_in_which_they_are_named() {
     let folder = folder();
     let order = [5, 1, 2, 4, 3];
     let files: Vec<PathBuf> = order.iter().map(|t| folder.join(format!("{t}.png"))).collect();
-    for (path, t) in files.iter().zip(order) {
-        save(path, &grey8(3, 2, t));
-    }
+    files.iter().zip(order).for_each(|(path, t)| save(path, &grey8(3, 2, t)));
     let burst = open(&files).expect("opens");
     assert_eq!(first_values(&burst), [5, 1, 2, 4, 3]);
     assert_eq!(burst.name, folder.file_name().expect("named").to_string_lossy());
@@ -343,9 +339,7 @@ fn of_bursts_a_folder_too_deep_the_folders_above_are_told() {
 #[test]
 fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
     let folder = folder();
-    for t in 0..12 {
-        save(&folder.join(format!("f{t}.png")), &grey8(3, 2, t));
-    }
+    (0..12).for_each(|t| save(&folder.join(format!("f{t}.png")), &grey8(3, 2, t)));
     let sequence = &find_bursts(&[folder.to_path_buf()], &OpenOptions::default()).expect("one sequence")[0];
     let cut = SequenceCut::new(5, None).expect("a cut");
     let bursts = cut_sequence(sequence, cut, &OpenOptions::default()).expect("two bursts");

@@ -159,9 +159,7 @@ fn a_mask_hides_0_alone_and_greys_and_labels_are_told() {
     let folder = folder();
     let at = |name: &str| folder.join(name);
     fs::create_dir(at("night")).expect("made");
-    for t in 0..2 {
-        save(&at(&format!("night/{t}.png")), &grey8(40, 2, 40 * t));
-    }
+    (0..2).for_each(|t| save(&at(&format!("night/{t}.png")), &grey8(40, 2, 40 * t)));
     let opened = |name: &str| {
         let options = OpenOptions { mask: Some(at(name)), ..OpenOptions::default() };
         let burst = open_with(&at("night"), &options).expect(name);
@@ -205,12 +203,8 @@ fn a_mask_hides_0_alone_and_greys_and_labels_are_told() {
 fn a_bad_mask_is_an_error_with_its_name() {
     let folder = folder();
     let at = |name: &str| folder.join(name);
-    for name in ["night", "few", "empty"] {
-        fs::create_dir(at(name)).expect("made");
-    }
-    for t in 0..3 {
-        save(&at(&format!("night/{t}.png")), &grey8(3, 2, 40 * t));
-    }
+    ["night", "few", "empty"].into_iter().for_each(|name| fs::create_dir(at(name)).expect("made"));
+    (0..3).for_each(|t| save(&at(&format!("night/{t}.png")), &grey8(3, 2, 40 * t)));
     save(&at("few/0.png.png"), &grey8(3, 2, 255));
     save(&at("wide.png"), &grey8(4, 2, 255));
     save(&at("black.png"), &image::GrayImage::new(3, 2));
@@ -263,9 +257,7 @@ fn pixels_without_a_value_and_saturated_ones_are_masked() {
 #[test]
 fn progress_counts_frames() {
     let folder = folder();
-    for t in 0..8 {
-        save(&folder.join(format!("{t}.png")), &grey8(3, 2, t));
-    }
+    (0..8).for_each(|t| save(&folder.join(format!("{t}.png")), &grey8(3, 2, t)));
     let heard = Arc::new(Mutex::new(Vec::new()));
     let sink = heard.clone();
     let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push(p.fraction));
@@ -280,9 +272,7 @@ fn progress_counts_frames() {
 fn cancelling_stops_between_frames_of_folders_and_of_stacks() {
     let folder = folder();
     fs::create_dir(folder.join("frames")).expect("made");
-    for t in 0..100 {
-        save(&folder.join(format!("frames/{t}.png")), &grey8(3, 2, t));
-    }
+    (0..100).for_each(|t| save(&folder.join(format!("frames/{t}.png")), &grey8(3, 2, t)));
     tiff_pages::<colortype::Gray8>(&folder.join("a.tif"), (3, 2), &vec![vec![0; 6]; 100]);
     write_npy(folder.join("a.npy"), &Array3::<u8>::zeros((100, 2, 3))).expect("written");
     for name in ["frames", "a.tif", "a.npy"] {

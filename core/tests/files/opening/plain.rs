@@ -174,9 +174,7 @@ fn a_mosaic_is_binned_in_every_kind_of_file() {
     let bytes: Vec<u8> = (0..4).flat_map(|v| (0..4).map(move |u| square[2 * (v % 2) + u % 2])).collect();
     let home = folder();
     let image = image::GrayImage::from_raw(4, 4, bytes.clone()).expect("sixteen values");
-    for name in ["m.png", "m.tif"] {
-        save(&home.join(name), &image);
-    }
+    ["m.png", "m.tif"].into_iter().for_each(|name| save(&home.join(name), &image));
     fs::write(home.join("m.raw"), &bytes).expect("written");
     let array = Array3::from_shape_vec((1, 4, 4), bytes).expect("sixteen values");
     write_npy(home.join("m.npy"), &array).expect("written");

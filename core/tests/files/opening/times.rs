@@ -14,9 +14,7 @@ fn open(folder: &Path, times: &str) -> Result<Burst, Error> {
 /// Opens frames of these names in a folder that also holds `list` as `list.txt`.
 fn with_list(names: &[&str], list: &str, times: &str) -> Result<Burst, Error> {
     let home = folder();
-    for (t, name) in names.iter().enumerate() {
-        save(&home.join(name), &grey8(16, 16, 30 * t as u8));
-    }
+    names.iter().enumerate().for_each(|(t, name)| save(&home.join(name), &grey8(16, 16, 30 * t as u8)));
     fs::write(home.join("list.txt"), list).expect("written");
     open(&home, times)
 }
