@@ -155,22 +155,22 @@ fn decoys_says_how_much_is_found_in_other_orders_too() {
 fn wrong_use_says_what_would_be_right() {
     let home = folder();
     for (arguments, code, words) in [
-        (vec!["probe", "demo"], 2, "--at"),
-        (vec!["probe", "demo", "--at", "9"], 2, "is not U,V"),
-        (vec!["probe", "demo", "--at", "480,3"], 2, "outside the 480×360 image"),
-        (vec!["probe", "demo", "--feature", "99999", "--slopes-u", "0"], 2, "there is no feature 99999"),
-        (vec!["probe", "demo", "--at", "3,3", "--plot", "x.txt"], 2, "end the name in .pdf, .svg, .png, .csv or .tex"),
-        (vec!["probe", "gone", "--at", "3,3"], 1, "gone"),
-        (vec!["slopes", "demo", "--plot", "x"], 2, "end the name in .pdf, .svg, .png, .csv or .tex"),
-        (vec!["slopes", "demo", "demo-later"], 2, "takes one burst"),
-        (vec!["slopes", "gone"], 1, "gone"),
-        (vec!["decoys", "demo", "--copies", "0"], 2, "--copies: 0; give 1 to 100"),
-        (vec!["decoys", "demo", "--frames", "0..3"], 2, "--frames: 3 frames taking part; decoys are"),
-        (vec!["decoys", "demo", "--frames", "2..6", "--copies", "4"], 2, "give at most 3"),
-        (vec!["decoys", "demo", "--method", "merge"], 2, "which takes 4 or more of them, and a method that"),
-        (vec!["decoys", "demo", "demo-later"], 2, "takes one burst"),
+        ("probe demo", 2, "--at"),
+        ("probe demo --at 9", 2, "is not U,V"),
+        ("probe demo --at 480,3", 2, "outside the 480×360 image"),
+        ("probe demo --feature 99999 --slopes-u 0", 2, "there is no feature 99999"),
+        ("probe demo --at 3,3 --plot x.txt", 2, "end the name in .pdf, .svg, .png, .csv or .tex"),
+        ("probe gone --at 3,3", 1, "gone"),
+        ("slopes demo --plot x", 2, "end the name in .pdf, .svg, .png, .csv or .tex"),
+        ("slopes demo demo-later", 2, "takes one burst"),
+        ("slopes gone", 1, "gone"),
+        ("decoys demo --copies 0", 2, "--copies: 0; give 1 to 100"),
+        ("decoys demo --frames 0..3", 2, "--frames: 3 frames taking part; decoys are"),
+        ("decoys demo --frames 2..6 --copies 4", 2, "give at most 3"),
+        ("decoys demo --method merge", 2, "which takes 4 or more of them, and a method that"),
+        ("decoys demo demo-later", 2, "takes one burst"),
     ] {
-        says(home.run_badly(&arguments, code), &[words]);
+        says(home.run_badly(arguments, code), &[words]);
     }
     assert_eq!(names(&home), Vec::<String>::new(), "nothing was written");
 }

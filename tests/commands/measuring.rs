@@ -98,32 +98,29 @@ fn frames_are_counted_on_charts_and_in_a_burst() {
 fn wrong_use_says_what_would_be_right() {
     let home = folder();
     for (arguments, words) in [
-        (vec!["evaluate"], "accuracy"),
-        (vec!["evaluate", "chart", "--plot", "roc.gif"], "end the name in .pdf, .svg, .png, .csv or .tex"),
-        (vec!["evaluate", "chart", "--method", "sift"], "name them with --methods"),
-        (
-            vec!["evaluate", "chart", "--methods", "surf"],
-            "sift-frame, sift-mean, sift-merge, buff-1d, buff-2d or buff-auto",
-        ),
-        (vec!["evaluate", "chart", "--snr", "-1"], "--snr"),
-        (vec!["evaluate", "chart", "--discs", "9000", "--snr", "1"], "--discs: only"),
-        (vec!["evaluate", "chart", "--false-fraction", "2"], "--false-fraction: 2; give a share"),
-        (vec!["evaluate", "chart", "--seeds", "0"], "--seeds"),
-        (vec!["evaluate", "chart", "--radius", "9:4", "--snr", "1"], "--radius: 9:4; give MIN:MAX in pixels"),
-        (vec!["evaluate", "chart", "--radius-law", "even"], "uniform, log"),
-        (vec!["evaluate", "frames", "--frame-counts", "1"], "--frames: a single frame shows no motion"),
-        (vec!["evaluate", "frames", "--frames", "0..3"], "--frame-counts"),
-        (vec!["evaluate", "frames", "demo", "--seeds", "3"], "cannot be used with"),
-        (vec!["evaluate", "frames", "demo", "--motion", "2d"], "cannot be used with"),
-        (vec!["evaluate", "frames", "demo", "--discs", "9"], "cannot be used with"),
-        (vec!["evaluate", "frames", "demo", "--frame-counts", "99"], "--frame-counts: 99 of"),
-        (vec!["evaluate", "frames", "--plot", "frames"], "end the name in .pdf, .svg, .png, .csv or .tex"),
-        (vec!["evaluate", "accuracy", "--levels", "0"], "--levels: "),
-        (vec!["evaluate", "noise", "--sigma", "0.5"], "--sigma: 0.5; give standard deviations"),
-        (vec!["evaluate", "noise", "--bits", "many"], "neither 'none' nor a number of bits"),
-        (vec!["evaluate", "noise", "--megapixels", "0"], "--megapixels: 0"),
+        ("evaluate", "accuracy"),
+        ("evaluate chart --plot roc.gif", "end the name in .pdf, .svg, .png, .csv or .tex"),
+        ("evaluate chart --method sift", "name them with --methods"),
+        ("evaluate chart --methods surf", "sift-frame, sift-mean, sift-merge, buff-1d, buff-2d or buff-auto"),
+        ("evaluate chart --snr -1", "--snr"),
+        ("evaluate chart --discs 9000 --snr 1", "--discs: only"),
+        ("evaluate chart --false-fraction 2", "--false-fraction: 2; give a share"),
+        ("evaluate chart --seeds 0", "--seeds"),
+        ("evaluate chart --radius 9:4 --snr 1", "--radius: 9:4; give MIN:MAX in pixels"),
+        ("evaluate chart --radius-law even", "uniform, log"),
+        ("evaluate frames --frame-counts 1", "--frames: a single frame shows no motion"),
+        ("evaluate frames --frames 0..3", "--frame-counts"),
+        ("evaluate frames demo --seeds 3", "cannot be used with"),
+        ("evaluate frames demo --motion 2d", "cannot be used with"),
+        ("evaluate frames demo --discs 9", "cannot be used with"),
+        ("evaluate frames demo --frame-counts 99", "--frame-counts: 99 of"),
+        ("evaluate frames --plot frames", "end the name in .pdf, .svg, .png, .csv or .tex"),
+        ("evaluate accuracy --levels 0", "--levels: "),
+        ("evaluate noise --sigma 0.5", "--sigma: 0.5; give standard deviations"),
+        ("evaluate noise --bits many", "neither 'none' nor a number of bits"),
+        ("evaluate noise --megapixels 0", "--megapixels: 0"),
     ] {
-        says(home.run_badly(&arguments, 2), &[words]);
+        says(home.run_badly(arguments, 2), &[words]);
     }
     assert!(names(&home).is_empty());
 }

@@ -2,10 +2,6 @@
 
 use crate::support::*;
 
-fn json(home: &Path, arguments: &[&str]) -> Value {
-    home.run_json(arguments)
-}
-
 /// A value without what depends on how long the work took.
 fn timeless(mut value: Value) -> Value {
     if let Some(cost) = value.pointer_mut("/cost/search_secs") {
@@ -19,7 +15,7 @@ const LINE: [&str; 3] = ["demo", "--slopes-u", "-3:3:13"];
 #[test]
 fn a_report_says_what_the_other_commands_say() {
     let home = folder();
-    let ask = |arguments: &[&str]| json(&home, &[arguments, &LINE[..], &["--json"]].concat());
+    let ask = |arguments: &[&str]| home.run_json(&[arguments, &LINE[..], &["--json"]].concat());
     let page = &ask(&["report", "--out", "r.md", "--at", "92,58", "--at", "12,34", "--copies", "2"]);
     let detected = &ask(&["detect", "--out", "found"])["bursts"][0];
     assert_eq!((&page["features"], &page["tally"]), (&detected["features"], &detected["tally"]));
@@ -63,7 +59,7 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
     let svg = home.text("r.svg");
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|node| node.has_tag_name(tag)).count();
-    let features = json(&home, &[&["report", "--out", "r.svg", "--json"], &LINE[..]].concat())["features"].clone();
+    let features = home.run_json(&[&["report", "--out", "r.svg", "--json"], &LINE[..]].concat())["features"].clone();
     assert_eq!((count("image"), Some(count("circle") as u64)), (1, features.as_u64()));
     assert!(svg.contains("Place 1 at (92, 58)") && svg.contains("below the noise gate"));
     let texts = || document.descendants().filter(|node| node.has_tag_name("text"));
@@ -97,7 +93,7 @@ fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
     assert_eq!(names(&home), [""; 0]);
     // Three frames have no other orders: the rest is told.
     let few = ["report", "demo", "--frames", "0..3", "--out", "few.md", "--json"];
-    let page = &json(&home, &few);
+    let page = &home.run_json(&few);
     assert!(page["decoys"].is_null(), "{page}");
     assert!(page["no_decoys"].as_str().is_some_and(|why| why.contains("4 or more")), "{page}");
 }

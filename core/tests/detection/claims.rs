@@ -3,17 +3,13 @@
 //!
 //! More bursts: `CLAIMS=20 cargo test -p burstscope-core --test detection claims -- --nocapture` takes 20 times as many.
 
-use super::found_slopes::waves;
+use super::found_slopes::{find, waves};
 use crate::prelude::*;
 use burstscope_core::detect::Searched;
 use burstscope_core::detector::slopes::MotionWarningKind;
 use burstscope_core::inspect::place::CauseKind;
 use burstscope_core::inspect::slopes::{AdviceSubject, SlopeJudgement, judgement};
 use std::ops::Range;
-
-fn find(burst: &Burst) -> SlopeFinding {
-    find_slopes(burst, &DetectorParams::default(), None, &quiet()).expect("not cancelled")
-}
 
 /// Seeds, more of them on request.
 fn seeds(count: u64) -> Range<u64> {

@@ -3,7 +3,8 @@
 use crate::prelude::*;
 use burstscope_core::detector::slopes::{MotionWarningKind, UniformTimes, resolve};
 
-fn find(burst: &Burst) -> SlopeFinding {
+/// Slopes found with the usual parameters.
+pub fn find(burst: &Burst) -> SlopeFinding {
     find_slopes(burst, &DetectorParams::default(), None, &quiet()).expect("not cancelled")
 }
 

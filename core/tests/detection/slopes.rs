@@ -1,5 +1,6 @@
 //! Automatic slopes on real bursts, and on scenes and noise that were made.
 
+use super::found_slopes::find;
 use crate::prelude::*;
 use burstscope_core::detect::Searched;
 use burstscope_core::detector::slopes::MotionWarningKind;
@@ -7,10 +8,6 @@ use burstscope_core::inspect::slopes::{AdviceSubject, judgement};
 
 fn open(files: &[PathBuf]) -> Burst {
     Burst::open_with(files, &OpenOptions::default(), &quiet()).expect("a burst")
-}
-
-fn find(burst: &Burst) -> SlopeFinding {
-    find_slopes(burst, &DetectorParams::default(), None, &quiet()).expect("not cancelled")
 }
 
 /// Half the right step of the search for `burst` at the default levels, pixels per frame.

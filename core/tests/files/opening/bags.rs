@@ -160,7 +160,7 @@ fn the_files_of_a_ros_2_bag_are_one_burst() {
     fs::write(bag.join("metadata.yaml"), METADATA).expect("written");
     fs::write(bag.join("sqlite.db3"), file("sqlite.db3")).expect("written");
     let options = OpenOptions::default();
-    let found = find_bursts(std::slice::from_ref(&bag), &options).expect("found");
+    let found = find_bursts(from_ref(&bag), &options).expect("found");
     assert_eq!((found.len(), &*found[0].name), (1, "night"));
     for path in [&bag, &bag.join("metadata.yaml")] {
         assert_frames(&open_with(path, &options).expect("opens"), |t| samples_of(t, 1, 65535));

@@ -24,9 +24,9 @@ fn one_of_each(folder: &Path) -> Vec<&'static str> {
     ["16.png", "16.pgm", "16.tif"].iter().for_each(|name| save(&at(name), &deep));
     fs::write(at("progressive.jpg"), PROGRESSIVE).expect("written");
     tiff_pages::<colortype::Gray16>(&at("pages.tif"), (40, 30), &[vec![7; 1200], vec![9; 1200], vec![2; 1200]]);
-    let mut big = tiff::encoder::TiffEncoder::new_big(fs::File::create(at("big.tif")).expect("made")).expect("begins");
+    let mut big = TiffEncoder::new_big(fs::File::create(at("big.tif")).expect("made")).expect("begins");
     big.write_image::<colortype::Gray16>(40, 30, &[500; 1200]).expect("a page");
-    ndarray_npy::write_npy(at("stack.npy"), &ndarray::Array3::<u16>::ones((3, 20, 30))).expect("written");
+    write_npy(at("stack.npy"), &Array3::<u16>::ones((3, 20, 30))).expect("written");
     let mut names = pictures.to_vec();
     names.extend(["16.png", "16.pgm", "16.tif", "progressive.jpg", "pages.tif", "big.tif", "stack.npy"]);
     #[cfg(feature = "raw")]
@@ -43,7 +43,7 @@ fn what_is_cut_off_is_refused_in_every_format_wherever_it_is_cut() {
     let folder = folder();
     for name in one_of_each(&folder) {
         let path = folder.join(name);
-        open(std::slice::from_ref(&path)).unwrap_or_else(|e| panic!("sound: {e}"));
+        open(from_ref(&path)).unwrap_or_else(|e| panic!("sound: {e}"));
         let bytes = fs::read(&path).expect("read");
         let parts = [2, 10, 25, 50, 75, 90, 99].map(|percent| bytes.len() * percent / 100);
         for cut in parts.into_iter().chain([bytes.len() - 2, bytes.len() - 1]) {
@@ -88,11 +88,11 @@ fn a_jpeg_whose_codes_lead_nowhere_is_refused_and_what_follows_its_end_is_not_re
         // Ones alone are a code of no table.
         let ones = [0xff, 0].repeat(16);
         fs::write(&path, [&sound[..start], &ones, &sound[start..]].concat()).expect("written");
-        let error = open(std::slice::from_ref(&path)).expect_err("codes of no table");
+        let error = open(from_ref(&path)).expect_err("codes of no table");
         assert!(error.problem.contains("this JPEG file is truncated or damaged"), "{error}");
         // Bytes after the end of the picture are ignored.
         fs::write(&path, [&sound[..], b"a film"].concat()).expect("written");
-        open(std::slice::from_ref(&path)).expect("whole");
+        open(from_ref(&path)).expect("whole");
     }
 }
 
@@ -111,7 +111,7 @@ fn damaged_jpegs_are_taken_where_that_is_asked_for_and_named() {
     // The intact part is unchanged; the rest is grey.
     assert_eq!(burst.frames[1].row(0), burst.frames[0].row(0));
     assert_ne!(burst.frames[1].row(29), burst.frames[0].row(29));
-    let notes: Vec<String> = burst.notes().iter().map(burstscope_core::burst::Note::for_command).collect();
+    let notes: Vec<String> = burst.notes().iter().map(Note::for_command).collect();
     assert!(
         notes
             .iter()
@@ -136,10 +136,10 @@ fn jpegs_within_a_tiff_must_be_whole_too() {
         fs::write(&path, bytes).expect("written");
     };
     write(&jpeg);
-    open(std::slice::from_ref(&path)).expect("whole");
+    open(from_ref(&path)).expect("whole");
     let start = jpeg.windows(2).position(|two| two == [0xff, 0xda]).expect("picture data");
     write(&jpeg[..(start + jpeg.len()) / 2]);
-    says(open(std::slice::from_ref(&path)).expect_err("cut").problem, &["this TIFF file is truncated or damaged"]);
+    says(open(from_ref(&path)).expect_err("cut").problem, &["this TIFF file is truncated or damaged"]);
     assert_eq!(open_with(&path, &accepting()).expect("taken").remarks.len(), 1);
 }
 
@@ -170,7 +170,7 @@ fn a_damaged_png_is_called_a_damaged_png() {
         let mut bytes = sound.clone();
         change(&mut bytes);
         fs::write(&path, bytes).expect("written");
-        let error = open(std::slice::from_ref(&path)).expect_err("damaged");
+        let error = open(from_ref(&path)).expect_err("damaged");
         let words = error.to_string();
         assert!(words.contains("PNG") && words.contains("damaged") && !words.contains("convert it to PNG"), "{words}");
     };
@@ -261,14 +261,14 @@ fn frames_of_different_bits_are_refused_unless_a_full_scale_says_their_unit() {
     assert_eq!((burst.frames[0].at(0, 0), burst.frames[1].at(0, 0)), (0.05, 1.0));
     // Pages of one file.
     let stack = at("pages.tif");
-    let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&stack).expect("created")).expect("begins");
+    let mut encoder = TiffEncoder::new(fs::File::create(&stack).expect("created")).expect("begins");
     encoder.write_image::<colortype::Gray8>(2, 1, &[0; 2]).expect("page");
     encoder.write_image::<colortype::Gray16>(2, 1, &[0; 2]).expect("page");
     drop(encoder);
     says(Burst::open(&stack).expect_err("no common unit").problem, &["this frame has 8 bit", "pages.tif"]);
     // Integers of many bits and floats.
-    ndarray_npy::write_npy(at("a.npy"), &ndarray::Array2::from_elem((1, 2), 7u32)).expect("written");
-    ndarray_npy::write_npy(at("b.npy"), &ndarray::Array2::from_elem((1, 2), 0.5f32)).expect("written");
+    write_npy(at("a.npy"), &Array2::from_elem((1, 2), 7u32)).expect("written");
+    write_npy(at("b.npy"), &Array2::from_elem((1, 2), 0.5f32)).expect("written");
     says(open(&[at("a.npy"), at("b.npy")]).expect_err("no common unit").problem, &["this one has floats"]);
 }
 
@@ -277,13 +277,13 @@ fn frames_of_different_bits_are_refused_unless_a_full_scale_says_their_unit() {
 fn a_long_text_in_a_tiff_harms_nobody() {
     let (_folder, path) = folder_with("a.tif");
     let text = vec![b'x'; 3 << 20];
-    let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
+    let mut encoder = TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
     let mut page = encoder.new_image::<colortype::Gray8>(2, 1).expect("page");
     let text = std::str::from_utf8(&text).expect("text");
-    page.encoder().write_tag(tiff::tags::Tag::ImageDescription, text).expect("tag");
+    page.encoder().write_tag(Tag::ImageDescription, text).expect("tag");
     page.write_data(&[1, 2]).expect("page");
     drop(encoder);
-    let limits = burstscope_core::burst::Limits { max_pixels: 1 << 10, ..Default::default() };
+    let limits = Limits { max_pixels: 1 << 10, ..Default::default() };
     open_with(&path, &OpenOptions { limits, ..OpenOptions::default() }).expect("a long text harms nobody");
 }
 

@@ -5,7 +5,6 @@ use super::support::*;
 use proptest::prelude::*;
 use std::collections::HashSet;
 use std::fs::File;
-use tiff::tags::Tag;
 
 const SIZE: (u32, u32) = (8, 6);
 
@@ -289,7 +288,7 @@ fn what_is_not_opened_is_not_described_as_if_it_were() {
     let mut encoder = TiffEncoder::new(File::create(&made.path).expect("made")).expect("begins");
     let image = encoder.new_image::<colortype::CMYK8>(SIZE.0, SIZE.1).expect("a page");
     image.write_data(&[0; 4 * (SIZE.0 * SIZE.1) as usize]).expect("written");
-    let told = Info::of(std::slice::from_ref(&made.path), &OpenOptions::default(), &quiet());
+    let told = Info::of(from_ref(&made.path), &OpenOptions::default(), &quiet());
     assert_eq!(told.expect_err("refused").to_string(), made.refusal(""));
 }
 
@@ -320,7 +319,7 @@ fn the_mosaic_of_a_tiff_is_used_however_the_camera_was_held() {
             let size = if orientation < 5 { (4, 3) } else { (3, 4) };
             assert_eq!((file.info(&given("")).binning, file.info(&given("")).width), (2, size.0), "{pattern:?}");
             let blue = OpenOptions { raw_colour: RawColour::Blue, ..OpenOptions::default() };
-            let blue = Burst::open_with(std::slice::from_ref(&file.path), &blue, &quiet()).expect("opens");
+            let blue = Burst::open_with(from_ref(&file.path), &blue, &quiet()).expect("opens");
             assert_eq!((blue.size(), blue.len()), (size, 2));
             let is_blue = |value: &f32| (value * 65535.0 - 300.0).abs() < 0.1;
             assert!(blue.frames.iter().all(|frame| frame.data().iter().all(is_blue)), "{pattern:?}, {orientation}");
@@ -458,7 +457,7 @@ fn values_are_in_the_unit_of_the_file() {
         let file = pgm(largest, &values);
         let scaled =
             OpenOptions { full_scale: Some(largest as f32), black_level: Some(64.0), ..OpenOptions::default() };
-        let burst = Burst::open_with(std::slice::from_ref(&file.path), &scaled, &quiet()).expect("opens");
+        let burst = Burst::open_with(from_ref(&file.path), &scaled, &quiet()).expect("opens");
         let [black, white] = [0, 1].map(|u| burst.frames[0].at(u, 0));
         assert!(black == 0.0 && (white - 1.0).abs() < 1e-6, "{largest}: {black} and {white}");
         let plain = file.open(&given("")).expect("opens");
@@ -479,7 +478,7 @@ fn frames_of_bits_open_packed() {
         assert_eq!(burst.frames[0].row(0), [1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         assert_eq!(burst.frames[1].row(1), [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     }
-    assert!("9x2:u1".parse::<burstscope_core::burst::Dump>().is_err());
+    assert!("9x2:u1".parse::<Dump>().is_err());
 }
 
 #[test]

@@ -96,7 +96,7 @@ fn different_sizes_name_both_files_and_sizes() {
     save(&folder.join("2.png"), &grey8(30, 21, 0));
     says(Burst::open(&folder).expect_err("sizes differ"), &["1.png", "30×20", "2.png", "30×21"]);
     let stack = folder.join("pages.tif");
-    let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&stack).expect("created")).expect("begins");
+    let mut encoder = TiffEncoder::new(fs::File::create(&stack).expect("created")).expect("begins");
     encoder.write_image::<colortype::Gray8>(2, 2, &[0; 4]).expect("page");
     encoder.write_image::<colortype::Gray8>(2, 3, &[0; 6]).expect("page");
     drop(encoder);
@@ -216,10 +216,10 @@ fn limits_are_checked_before_memory_is_taken() {
 #[test]
 fn an_image_list_that_imagej_left_out_is_not_lost_silently() {
     let (_folder, path) = folder_with("imagej.tif");
-    let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
+    let mut encoder = TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
     let mut image = encoder.new_image::<colortype::Gray8>(2, 1).expect("page");
     let description = "ImageJ=1.54f\nimages=7\nslices=7\n";
-    image.encoder().write_tag(tiff::tags::Tag::ImageDescription, description).expect("tag");
+    image.encoder().write_tag(Tag::ImageDescription, description).expect("tag");
     image.write_data(&[1, 2]).expect("page");
     drop(encoder);
     failure(&path, &["7 depths", "--axis Z"]);

@@ -139,10 +139,10 @@ fn a_long_tiff_keeps_its_order() {
 #[test]
 fn thumbnails_in_a_tiff_are_left_out() {
     let (_folder, path) = folder_with("with_thumbnail.tif");
-    let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
+    let mut encoder = TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
     encoder.write_image::<colortype::Gray8>(4, 2, &[7; 8]).expect("page");
     let mut thumbnail = encoder.new_image::<colortype::Gray8>(2, 1).expect("thumbnail");
-    thumbnail.encoder().write_tag(tiff::tags::Tag::NewSubfileType, 1u32).expect("tag");
+    thumbnail.encoder().write_tag(Tag::NewSubfileType, 1u32).expect("tag");
     thumbnail.write_data(&[1, 2]).expect("thumbnail");
     let burst = Burst::open(&path).expect("opens");
     assert_eq!((burst.len(), burst.size()), (1, (4, 2)));
@@ -365,7 +365,7 @@ fn several_stacks_are_several_bursts() {
     let folder = folder();
     let paths = [folder.join("b.tif"), folder.join("a.npy")];
     stack(&paths[0]);
-    ndarray_npy::write_npy(&paths[1], &ndarray::Array3::<u8>::zeros((3, 2, 2))).expect("written");
+    write_npy(&paths[1], &Array3::<u8>::zeros((3, 2, 2))).expect("written");
     assert_eq!(names(&paths), ["b", "a"]);
     assert_eq!(names(&[folder.to_path_buf()]), ["a", "b"]);
     // A stack alone in its folder is the folder's burst, and has the folder's name.
@@ -409,7 +409,7 @@ fn every_supported_ending_can_be_opened() {
     for extension in supported_extensions() {
         let path = folder.join(format!("a.{extension}"));
         match extension {
-            "npy" => ndarray_npy::write_npy(&path, &ndarray::Array2::<u8>::zeros((2, 3))).expect("written"),
+            "npy" => write_npy(&path, &Array2::<u8>::zeros((2, 3))).expect("written"),
             "ppm" => save(&path, &image::RgbImage::new(3, 2)),
             "webp" => save(&path, &image::RgbImage::new(3, 2)),
             "pbm" => fs::write(&path, "P1\n3 2\n1 0 1\n0 1 0\n").expect("written"),

@@ -32,8 +32,8 @@ pub fn samples() -> &'static [(&'static str, Vec<u8>)] {
             let mut encoder = TiffEncoder::new(file).expect("begins").with_compression(compression);
             encoder.write_image::<colortype::Gray16>(4, 3, &[500; 12]).expect("page");
         }
-        ndarray_npy::write_npy(at("u2.npy"), &ndarray::Array3::<u16>::ones((2, 3, 4))).expect("written");
-        ndarray_npy::write_npy(at("f8.npy"), &ndarray::Array2::<f64>::ones((3, 4))).expect("written");
+        write_npy(at("u2.npy"), &Array3::<u16>::ones((2, 3, 4))).expect("written");
+        write_npy(at("f8.npy"), &Array2::<f64>::ones((3, 4))).expect("written");
         let all = names.iter().chain(&["16.png", "16.pgm", "c.png", "c.jpg", "c.bmp", "c.ppm", "c.webp", "ascii.pnm"]);
         let all =
             all.chain(&["16.tif", "f.tif", "c.tif", "lzw.tif", "deflate.tif", "packbits.tif", "u2.npy", "f8.npy"]);
@@ -148,7 +148,7 @@ fn a_part_of_each_sample_is_that_of_the_whole_however_long_it_is() {
             // Where the file does not tell the range, it is that of the frames that are opened.
             let full_scale = Some(400.0).filter(|_| name.ends_with(".fits"));
             let options = OpenOptions { limits, take, full_scale, ..needed(name) };
-            Burst::open_with(std::slice::from_ref(&path), &options, &quiet())
+            Burst::open_with(from_ref(&path), &options, &quiet())
         };
         let whole = opened("", 4096).expect(name);
         let beyond = opened(&format!("0..{}", whole.len() + 1), 4096).expect_err("there are not as many").to_string();

@@ -282,8 +282,7 @@ fn a_part_is_counted_in_the_order_of_the_whole() {
     fs::write(home.join("two.txt"), "0.5\n0.75\n").expect("written");
     assert_eq!(open_with(&home, &options("two.txt", "1..3")).expect("a part").positions.interval_s(), Some(0.25));
     let (other, stack) = folder_with("stack.npy");
-    ndarray_npy::write_npy(&stack, &ndarray::Array3::<u8>::from_shape_fn((5, 8, 8), |(t, v, u)| (t + u + v) as u8))
-        .expect("written");
+    write_npy(&stack, &Array3::<u8>::from_shape_fn((5, 8, 8), |(t, v, u)| (t + u + v) as u8)).expect("written");
     fs::write(other.join("five.txt"), "0\n0.5\n1\n2\n4\n").expect("written");
     let part = open_with(&stack, &options("five.txt", "2..5")).expect("a part");
     assert_eq!((part.positions.since_first(), part.positions.interval_s()), (vec![0.0, 1.0, 3.0], Some(1.0)));

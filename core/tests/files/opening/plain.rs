@@ -201,7 +201,7 @@ fn a_mosaic_is_binned_in_every_kind_of_file() {
 #[test]
 fn arrays_have_frames_first_or_last_and_colours() {
     let (_home, path) = folder_with("a.npy");
-    let open = |options: &OpenOptions| Burst::open_with(std::slice::from_ref(&path), options, &quiet());
+    let open = |options: &OpenOptions| Burst::open_with(from_ref(&path), options, &quiet());
     let last = Array3::from_shape_fn((24, 16, 2), |(v, u, t)| (v * 100 + u * 5 + t) as u16);
     write_npy(&path, &last).expect("written");
     let burst = open(&plain()).expect("opens");
@@ -248,7 +248,7 @@ fn archives_hold_one_array_of_frames() {
     npz.add_array("a", &Array3::<u8>::ones((2, 3, 4))).expect("written");
     npz.add_array("b", &Array3::<u8>::zeros((5, 3, 4))).expect("written");
     npz.finish().expect("written");
-    let open = |options: &OpenOptions| Burst::open_with(std::slice::from_ref(&path), options, &quiet());
+    let open = |options: &OpenOptions| Burst::open_with(from_ref(&path), options, &quiet());
     assert!(open(&plain()).expect_err("two").to_string().contains("--array NAME"));
     assert_eq!(open(&array("b")).expect("chosen").len(), 5);
 }

@@ -156,13 +156,13 @@ fn any_number_of_frames_is_described_at_once_and_taken_in_part() {
         fs::write(&path, start).expect("written");
         fs::File::options().write(true).open(&path).expect("opened").set_len(length).expect("a long file");
         let options = options_for(name);
-        let info = Info::of(std::slice::from_ref(&path), &options, &quiet());
+        let info = Info::of(from_ref(&path), &options, &quiet());
         match info {
             Ok(info) => assert_eq!(info.frames, frames, "{name}"),
             // Without a part it is refused for its number of frames.
             Err(error) => assert!(error.to_string().contains(&format!("{frames} frames")), "{error}"),
         }
-        let info = Info::of(std::slice::from_ref(&path), &taking(&options), &quiet()).expect(name);
+        let info = Info::of(from_ref(&path), &taking(&options), &quiet()).expect(name);
         assert_eq!(info.frames, 2, "{name}");
         assert!(open_with(&path, &options).expect_err("too many").to_string().contains("4096 frames"), "{name}");
         assert_eq!(open_with(&path, &taking(&options)).expect(name).len(), 2, "{name}");
@@ -250,11 +250,11 @@ fn a_tile_has_the_bytes_of_its_pixels() {
 fn a_tiff_that_is_cut_within_its_description_is_refused_with_the_place() {
     let (_folder, path) = folder_with("axes.tif");
     let ome = "<?xml version=\"1.0\"?><OME><Image><Pixels DimensionOrder=\"XYCTZ\" SizeX=\"4\" SizeY=\"4\" SizeZ=\"1\" SizeC=\"2\" SizeT=\"2\"/></Image></OME>";
-    let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&path).expect("made")).expect("begins");
+    let mut encoder = TiffEncoder::new(fs::File::create(&path).expect("made")).expect("begins");
     for page in 0..4u8 {
-        let mut image = encoder.new_image::<tiff::encoder::colortype::Gray8>(4, 4).expect("a page");
+        let mut image = encoder.new_image::<colortype::Gray8>(4, 4).expect("a page");
         let description = if page == 0 { ome } else { "" };
-        image.encoder().write_tag(tiff::tags::Tag::ImageDescription, description).expect("a tag");
+        image.encoder().write_tag(Tag::ImageDescription, description).expect("a tag");
         image.write_data(&[page; 16]).expect("written");
     }
     drop(encoder);
@@ -278,9 +278,9 @@ fn deflated_tiff() -> (Vec<u8>, usize) {
     let (_folder, path) = folder_with("strip.tif");
     let file = fs::File::create(&path).expect("made");
     let deflate = tiff::encoder::Compression::Deflate(tiff::encoder::DeflateLevel::Best);
-    let mut encoder = tiff::encoder::TiffEncoder::new(file).expect("begins").with_compression(deflate);
+    let mut encoder = TiffEncoder::new(file).expect("begins").with_compression(deflate);
     let values: Vec<u8> = (0..1200u32).map(|i| (i * i % 253) as u8).collect();
-    encoder.write_image::<tiff::encoder::colortype::Gray8>(40, 30, &values).expect("a page");
+    encoder.write_image::<colortype::Gray8>(40, 30, &values).expect("a page");
     drop(encoder);
     let mut bytes = fs::read(&path).expect("read");
     let tag = |tag: u16| {
@@ -310,7 +310,7 @@ fn a_film_that_is_cut_within_its_times_says_so() {
     let film = samples().iter().find(|(name, _)| *name == "mono12.ser").expect("a film").1.clone();
     let whole = opened("film.ser", &film).expect("whole");
     let (_folder, path) = folder_with("film.ser");
-    let info = || Info::of(std::slice::from_ref(&path), &OpenOptions::default(), &quiet()).expect("described");
+    let info = || Info::of(from_ref(&path), &OpenOptions::default(), &quiet()).expect("described");
     fs::write(&path, &film).expect("written");
     assert!(info().times_s.len() == whole.len() && !info().taken.iter().any(|note| note.contains("cut")));
     fs::write(&path, &film[..film.len() - 1]).expect("written");

@@ -4,7 +4,9 @@ pub use crate::prelude::*;
 pub use image::{ImageBuffer, Luma, Rgb};
 pub use ndarray::{Array2, Array3, Array4};
 pub use ndarray_npy::write_npy;
+pub use std::slice::from_ref;
 pub use tiff::encoder::{TiffEncoder, colortype};
+pub use tiff::tags::Tag;
 
 use image::Pixel;
 use tiff::encoder::{TiffValue, colortype::ColorType};
@@ -63,7 +65,7 @@ impl Made {
     }
 
     pub fn info(&self, options: &OpenOptions) -> Info {
-        Info::of(std::slice::from_ref(&self.path), options, &quiet()).expect("described")
+        Info::of(from_ref(&self.path), options, &quiet()).expect("described")
     }
 }
 

@@ -122,7 +122,7 @@ fn files_hold_times() {
     assert_eq!(timed(open(&home, "header")).0, [0.0, 1.0, 3.0]);
     let film = home.join("film.ser");
     fs::write(&film, include_bytes!("samples/mono12.ser")).expect("written");
-    let info = Info::of(std::slice::from_ref(&film), &options("header"), &quiet()).expect("described");
+    let info = Info::of(from_ref(&film), &options("header"), &quiet()).expect("described");
     assert!(info.are_times_used && info.interval_s.is_some(), "{info:?}");
     let burst = Burst::open_with(&[film], &options("header"), &quiet()).expect("a film");
     assert_eq!(burst.positions.since_first(), info.positions);
@@ -151,7 +151,7 @@ fn what_is_wrong_is_named_with_file_and_line() {
     let (home, film) = folder_with("film.ser");
     fs::write(&film, include_bytes!("samples/mono12.ser")).expect("written");
     fs::write(home.join("list.txt"), "3\n2\n1\n0\n").expect("written");
-    let opened = |times: &str| Burst::open_with(std::slice::from_ref(&film), &options(times), &quiet());
+    let opened = |times: &str| Burst::open_with(from_ref(&film), &options(times), &quiet());
     let count = opened("even").expect("a film").len();
     let falling: String = (0..count).map(|t| format!("{}\n", count - t)).collect();
     fs::write(home.join("list.txt"), falling).expect("written");

@@ -66,9 +66,9 @@ fn names_arrays_and_pictures_of_all_views_give_the_same_light_field() {
     save(&path("tiled.png"), &picture(all, |x, y| value(y / SIZE.1, x / SIZE.0, x % SIZE.0, y % SIZE.1)));
     save(&path("eslf.png"), &picture(all, |x, y| value(y % ROWS, x % COLUMNS, x / COLUMNS, y / ROWS)));
     let array = Array4::from_shape_fn((ROWS, COLUMNS, SIZE.1, SIZE.0), |(t, s, v, u)| value(t, s, u, v));
-    ndarray_npy::write_npy(path("array.npy"), &array).expect("written");
+    write_npy(path("array.npy"), &array).expect("written");
     let colours = Array5::from_shape_fn((ROWS, COLUMNS, SIZE.1, SIZE.0, 3), |(t, s, v, u, _)| value(t, s, u, v));
-    ndarray_npy::write_npy(path("colours.npy"), &colours).expect("written");
+    write_npy(path("colours.npy"), &colours).expect("written");
     for (name, views) in [
         ("tiled.png", "3x5:tiled"),
         ("eslf.png", "3x5:eslf"),
@@ -128,7 +128,7 @@ fn what_is_no_light_field_is_refused_with_a_remedy() {
     assert!(refused(&file, &options("3x5")).contains("for one picture of all, such as 9x9:tiled"));
     // Axes of few columns may be colours.
     let array = home.join("few.npy");
-    ndarray_npy::write_npy(&array, &Array4::<u8>::zeros((4, 3, 18, 20))).expect("written");
+    write_npy(&array, &Array4::<u8>::zeros((4, 3, 18, 20))).expect("written");
     assert!(refused(&array, &OpenOptions::default()).contains("--views ROWSxCOLUMNS"));
     assert!(open(&array, "4x3").is_ok());
     let paths: Vec<PathBuf> = vec![file.clone(), file];
