@@ -102,7 +102,7 @@ fn zeros_by_zstd(size: u64) -> Vec<u8> {
 }
 
 fn failure(path: &Path) -> Error {
-    open_with(path, &OpenOptions::default()).expect_err("it is refused")
+    Burst::open(path).expect_err("it is refused")
 }
 
 /// A file with these bytes, which goes with the folder.
@@ -122,8 +122,7 @@ fn checksums_that_are_there_are_compared() {
         ("the chunk at byte", Recording { lists: Vec::new(), ..plain() }),
     ] {
         let mut bytes = recording.bytes();
-        let path = written(&home, "a.mcap", &bytes);
-        let burst = open_with(&path, &OpenOptions::default()).expect("it is whole");
+        let burst = Burst::open(written(&home, "a.mcap", &bytes)).expect("it is whole");
         assert_eq!((burst.len(), burst.size()), (3, (4, 3)));
         let pixel = bytes.windows(12).position(|part| part == [20; 12]).expect("the pixels of the second frame");
         bytes[pixel + 5] ^= 1;
@@ -131,8 +130,7 @@ fn checksums_that_are_there_are_compared() {
         assert!(error.kind == ErrorKind::Damaged && error.problem.contains(words), "{words}: {error}");
     }
     let mut bytes = Recording { has_summary_crc: true, ..Recording::plain() }.bytes();
-    let path = written(&home, "a.mcap", &bytes);
-    open_with(&path, &OpenOptions::default()).expect("it is whole");
+    Burst::open(written(&home, "a.mcap", &bytes)).expect("it is whole");
     let topic = bytes.windows(4).rposition(|part| part == b"/eye").expect("the topic in the summary");
     bytes[topic + 1] = b'E';
     assert!(failure(&written(&home, "a.mcap", &bytes)).problem.contains("its summary"));
@@ -163,8 +161,7 @@ fn each_field_of_a_picture_is_named_where_it_is_cut_off() {
     let of_ros_1 = [&head[..], &numbers(&[4, 12]), &[60; 12]].concat();
     for (wire, whole) in [("cdr", picture(3)), ("ros1", of_ros_1)] {
         let opened = |message: &[u8]| {
-            let path = written(&home, "a.mcap", &Recording::of(wire, &[message.to_vec(), message.to_vec()]).bytes());
-            open_with(&path, &OpenOptions::default())
+            Burst::open(written(&home, "a.mcap", &Recording::of(wire, &[message.to_vec(), message.to_vec()]).bytes()))
         };
         let burst = opened(&whole).expect(wire);
         assert!(burst.frames[1].data().iter().all(|value| (value * 255.0 - 60.0).abs() < 1e-3));
@@ -262,7 +259,7 @@ fn a_pipe_in_the_place_of_a_file_is_not_waited_for() {
     fs::write(home.join("a.db3"), sample_of("sqlite.db3")).expect("written");
     let list = pipe("metadata.yaml");
     assert!(failure(&list).to_string().contains("regular file"));
-    assert_eq!(open_with(&home, &OpenOptions::default()).expect("the database").len(), 5);
+    assert_eq!(Burst::open(&home).expect("the database").len(), 5);
     fs::remove_file(&list).expect("removed");
     let listed = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - pipe.db3\n";
     fs::write(&list, listed).expect("written");
@@ -294,7 +291,7 @@ proptest! {
             bytes[place] = byte;
         }
         let home = folder();
-        match open_with(&written(&home, "a.mcap", &bytes), &OpenOptions::default()) {
+        match Burst::open(written(&home, "a.mcap", &bytes)) {
             Ok(burst) => prop_assert!(burst.len() <= 4096),
             Err(error) => prop_assert!(
                 error.to_string().contains("a.mcap") && !error.to_string().contains("unexpectedly"), "{}", error

@@ -106,18 +106,14 @@ fn converters_are_suggested_by_what_the_values_need() {
         let path = folder.join("a.tif");
         let bright = values.iter().map(|value| value * 2 + 1).collect();
         tiff_pages::<colortype::Gray16>(&path, (values.len() as u32, 1), &[values.to_vec()]);
-        assert_eq!(
-            open_with(&path, &OpenOptions::default()).expect("opens").suggested_full_scale,
-            expected,
-            "{values:?}"
-        );
+        assert_eq!(Burst::open(&path).expect("opens").suggested_full_scale, expected, "{values:?}");
         // One bright frame among dark ones is enough.
         tiff_pages::<colortype::Gray16>(
             &path,
             (values.len() as u32, 1),
             &[values.to_vec(), vec![40_001; values.len()], bright],
         );
-        assert_eq!(open_with(&path, &OpenOptions::default()).expect("opens").suggested_full_scale, None, "{values:?}");
+        assert_eq!(Burst::open(&path).expect("opens").suggested_full_scale, None, "{values:?}");
     }
 }
 
@@ -148,10 +144,7 @@ fn a_mask_is_one_for_all_frames_or_one_for_each() {
     assert_eq!(seen(&half), vec![vec![false, true, true, false, true, true]; 3]);
     assert!(half.taken.contains(&"33.3 % of the pixels are masked by half.png".to_owned()), "{:?}", half.taken);
     // A mask that hides nothing changes no bit.
-    assert_eq!(
-        with("white.png").expect("opens").frames,
-        open_with(&at("night"), &OpenOptions::default()).expect("opens").frames
-    );
+    assert_eq!(with("white.png").expect("opens").frames, Burst::open(at("night")).expect("opens").frames);
 }
 
 #[test]
@@ -231,7 +224,7 @@ fn pixels_without_a_value_and_saturated_ones_are_masked() {
     let mut stack = Array3::from_elem((2, 3, 4), 0.25f32);
     (stack[[0, 1, 2]], stack[[1, 0, 0]]) = (f32::NAN, 1.0);
     write_npy(&path, &stack).expect("written");
-    let plain = open_with(&path, &OpenOptions::default()).expect("opens");
+    let plain = Burst::open(&path).expect("opens");
     assert_eq!((seen(&plain)[0].iter().position(|seen| !seen), plain.frames[1].mask()), (Some(6), None));
     assert!(plain.frames[0].data().iter().all(|x| *x == 0.25), "filled from its surroundings");
     assert_eq!(plain.taken, ["pixels without a value (NaN) are masked: 1 in 1 of 2 frames"]);
@@ -250,7 +243,7 @@ fn pixels_without_a_value_and_saturated_ones_are_masked() {
     // A frame of which nothing is left.
     stack.index_axis_mut(ndarray::Axis(0), 1).fill(f32::NAN);
     write_npy(&path, &stack).expect("written");
-    let error = open_with(&path, &OpenOptions::default()).expect_err("nothing is seen").to_string();
+    let error = Burst::open(&path).expect_err("nothing is seen").to_string();
     assert!(error.contains("no pixel of frame 1 has a value") && error.contains("a.npy"), "{error}");
 }
 
@@ -377,7 +370,7 @@ fn a_flat_frame_takes_off_falling_light() {
 fn a_black_level_and_a_full_scale_of_ones_own() {
     let (_folder, path) = folder_with("twelve_bit.tif");
     tiff_pages::<colortype::Gray16>(&path, (3, 1), &[vec![255, 4095, 155]]);
-    let plain = open_with(&path, &OpenOptions::default()).expect("opens");
+    let plain = Burst::open(&path).expect("opens");
     assert_eq!(plain.suggested_full_scale, Some(4095.0));
     assert_eq!(
         plain.notes()[0].for_command(),

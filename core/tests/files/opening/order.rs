@@ -136,7 +136,7 @@ fn a_name_without_number_stands_before_its_copies() {
         ["a.png", "frame_.png", "frame_1.png", "frame_2.png"],
     ] {
         let home = frames(&names);
-        assert_eq!(open_with(&home, &OpenOptions::default()).expect("a burst").frame_names, names);
+        assert_eq!(Burst::open(&home).expect("a burst").frame_names, names);
     }
 }
 

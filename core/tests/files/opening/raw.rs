@@ -37,7 +37,7 @@ fn black_levels_are_those_of_each_colour_and_below_them_is_negative() {
         ..Dng::new((4, 2), |u, v| if u < 2 { [54, 60, 70, 90][u % 2 + v * 2] } else { 1023 })
     };
     fs::write(&path, dng.bytes()).expect("written");
-    let burst = open_with(&path, &OpenOptions::default()).expect("opens");
+    let burst = Burst::open(&path).expect("opens");
     let dark = -10.0 * [64.0, 70.0, 80.0, 100.0].map(|black: f32| 1.0 / (1023.0 - black)).iter().sum::<f32>() / 4.0;
     assert!((burst.frames[0].at(0, 0) - dark).abs() < 1e-6, "{}", burst.frames[0].at(0, 0));
     assert!((burst.frames[0].at(1, 0) - 1.0).abs() < 1e-6);
@@ -61,7 +61,7 @@ fn columns_and_rows_have_black_levels_of_their_own() {
     let dng = Dng { active: Some([0, 1, 2, 5]), ..Dng::new((5, 2), value) };
     let dng = Dng { black_steps: [columns.clone(), rows.clone()], mosaic: None, ..dng };
     fs::write(&path, dng.bytes()).expect("written");
-    let burst = open_with(&path, &OpenOptions::default()).expect("opens");
+    let burst = Burst::open(&path).expect("opens");
     for (v, row) in rows.iter().enumerate() {
         for (u, column) in columns.iter().enumerate() {
             let black = f32::from(64 + column + row);
@@ -74,7 +74,7 @@ fn columns_and_rows_have_black_levels_of_their_own() {
     let value = f32::from(64 + 500 + columns[1] + rows[0]) / 1023.0;
     assert!((open_with(&path, &own).expect("opens").frames[0].at(1, 0) - value).abs() < 1e-6);
     fs::write(&path, Dng { black_steps: [vec![1; 3], Vec::new()], ..dng }.bytes()).expect("written");
-    let error = open_with(&path, &OpenOptions::default()).expect_err("a column has none").to_string();
+    let error = Burst::open(&path).expect_err("a column has none").to_string();
     assert!(error.contains("black levels of columns and rows") && error.contains("4×2"), "{error}");
 }
 
@@ -91,7 +91,7 @@ fn the_active_area_is_taken_wherever_it_begins() {
     assert!(burst.frames[0].data().iter().all(|v| (v - 500.0 / 959.0).abs() < 1e-6), "{:?}", burst.frames[0].data());
     // With a camera held upright, columns and rows are exchanged.
     fs::write(&path, Dng { orientation: 6, ..dng }.bytes()).expect("written");
-    assert_eq!(open_with(&path, &OpenOptions::default()).expect("opens").size(), (3, 4));
+    assert_eq!(Burst::open(&path).expect("opens").size(), (3, 4));
     let single = OpenOptions { mosaic: Some(Mosaic::None), ..OpenOptions::default() };
     assert_eq!(open_with(&path, &single).expect("opens").size(), (6, 8));
 }
@@ -101,7 +101,7 @@ fn a_sensor_without_colours_is_not_binned() {
     let (_folder, path) = folder_with("a.dng");
     fs::write(&path, Dng { mosaic: None, ..Dng::new((5, 3), |u, v| 64 + (10 * v + u) as u16) }.bytes())
         .expect("written");
-    let burst = open_with(&path, &OpenOptions::default()).expect("opens");
+    let burst = Burst::open(&path).expect("opens");
     assert_eq!((burst.size(), burst.binning), ((5, 3), 1));
     assert!((burst.frames[0].at(4, 2) - 24.0 / 959.0).abs() < 1e-6);
 }
@@ -151,7 +151,7 @@ fn damaged_and_huge_files_are_errors() {
     assert_eq!(error.kind, ErrorKind::TooLarge, "{error}");
     for length in [0, 4, 9, 60, 200, 300, whole.len() - 30, whole.len() - 1] {
         fs::write(&path, &whole[..length]).expect("written");
-        if let Err(error) = open_with(&path, &OpenOptions::default()) {
+        if let Err(error) = Burst::open(&path) {
             assert!(error.to_string().contains("a.dng"), "{error}");
         } else {
             assert_eq!(length, whole.len() - 1, "only the padding may be missing");
