@@ -31,8 +31,8 @@ fn recover_says_what_would_be_found_and_draws_it() {
     let of_first: Vec<&Value> = planted.iter().filter(|one| one["seed"] == 1).collect();
     assert_eq!((truth.kind, truth.features.len()), (TruthKind::Planted, of_first.len()));
     assert!(truth.features.iter().zip(&of_first).all(|(disc, one)| one["truth"]["u"] == disc.u));
-    let line = ["detect", "a.burstcase", "--params", "a.burstcase", "--out", "found", "--json"];
-    assert!(home.run_json(&line)["bursts"][0]["features"].as_u64().is_some_and(|n| n > 0));
+    let line = "detect a.burstcase --params a.burstcase --out found --json";
+    assert!(home.run_json(line)["bursts"][0]["features"].as_u64().is_some_and(|n| n > 0));
     assert!(home.run_badly("recover demo --case a.zip", 2).contains(".burstcase"));
     assert!(home.run_badly("recover demo --copies 0", 2).contains("copies"));
     assert!(home.run_badly("recover demo --csv a.txt", 2).contains(".csv"));

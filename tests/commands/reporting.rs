@@ -92,8 +92,8 @@ fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
     }
     assert_eq!(names(&home), [""; 0]);
     // Three frames have no other orders: the rest is told.
-    let few = ["report", "demo", "--frames", "0..3", "--out", "few.md", "--json"];
-    let page = &home.run_json(&few);
+    let few = "report demo --frames 0..3 --out few.md --json";
+    let page = &home.run_json(few);
     assert!(page["decoys"].is_null(), "{page}");
     assert!(page["no_decoys"].as_str().is_some_and(|why| why.contains("4 or more")), "{page}");
 }
@@ -133,8 +133,7 @@ fn a_report_of_a_flight_has_a_row_for_each_burst_and_begins_with_the_worst() {
     let page = home.text("flight.md");
     let [first, second] = ["- gone: ", "- fast: "].map(|words| page.find(words).expect("named"));
     assert!(first < second && page[second..].contains(": try --slopes-u "), "{page}");
-    assert!(page.contains("\n      burstscope nights/fast\n"), "{page}");
-    assert!(page.contains("| n 1 | 6 | 160 | 120 | 0.0"), "{page}");
+    says(&page, &["\n      burstscope nights/fast\n", "| n 1 | 6 | 160 | 120 | 0.0"]);
     assert_eq!(flight["bursts"][2]["open"], "burstscope 'nights/n 1'");
     // As a table; the second run knows the first one's file.
     (0..2).for_each(|_| drop(ask(&["report", "--out", "flight.csv"])));
