@@ -59,21 +59,36 @@ impl Line for Vec<&str> {
 
 /// What is done in a folder.
 pub trait Home {
-    /// Command that runs the program in this folder, without a display and the user's defaults.
-    fn program(&self, line: &(impl Line + ?Sized)) -> Command;
+    fn folder(&self) -> &Path;
 
     /// Writes a file of this folder.
-    fn write(&self, name: &str, content: impl AsRef<[u8]>);
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.folder().join(name), content).expect("written");
+    }
 
     /// Makes a folder in this folder, with those above it.
-    fn make_dir(&self, name: &str);
+    fn make_dir(&self, name: &str) {
+        fs::create_dir_all(self.folder().join(name)).expect("made");
+    }
 
     /// The text of a file of this folder.
-    fn text(&self, name: &str) -> String;
+    fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.folder().join(name)).expect("a file of text")
+    }
 
     /// The document in a file of this folder.
     fn json(&self, name: &str) -> Value {
         serde_json::from_str(&self.text(name)).expect("JSON")
+    }
+
+    /// Command that runs the program in this folder, without a display and the user's defaults.
+    fn program(&self, line: &(impl Line + ?Sized)) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_burstscope"));
+        command.current_dir(self.folder()).args(line.words()).env("BURSTSCOPE_DEFAULTS", "");
+        for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+            command.env_remove(name);
+        }
+        command
     }
 
     /// Runs the program to its end.
@@ -102,25 +117,8 @@ pub trait Home {
 }
 
 impl Home for Path {
-    fn program(&self, line: &(impl Line + ?Sized)) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_burstscope"));
-        command.current_dir(self).args(line.words()).env("BURSTSCOPE_DEFAULTS", "");
-        for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
-            command.env_remove(name);
-        }
-        command
-    }
-
-    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
-        fs::write(self.join(name), content).expect("written");
-    }
-
-    fn make_dir(&self, name: &str) {
-        fs::create_dir_all(self.join(name)).expect("made");
-    }
-
-    fn text(&self, name: &str) -> String {
-        fs::read_to_string(self.join(name)).expect("a file of text")
+    fn folder(&self) -> &Path {
+        self
     }
 }
 
