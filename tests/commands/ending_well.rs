@@ -27,13 +27,9 @@ fn a_full_or_closed_standard_error_stops_nothing() {
     assert_eq!((output.status.code(), output.status.signal()), (Some(1), None));
     assert_eq!(names(&home.join("found")), ["a.csv", "c.csv"]);
     let line = format!("exec \"$0\" {} 2>&-", arguments.join(" ").replace("found", "closed"));
-    let mut shell = Command::new("sh");
-    shell
-        .current_dir(&home)
-        .env("BURSTSCOPE_DEFAULTS", "")
-        .args(["-c", &line, env!("CARGO_BIN_EXE_burstscope")])
-        .stdout(Stdio::null());
-    assert_eq!(shell.status().expect("a shell").code(), Some(1));
+    let mut closed = shell(&home, &line);
+    closed.arg(env!("CARGO_BIN_EXE_burstscope")).stdout(Stdio::null());
+    assert_eq!(closed.status().expect("a shell").code(), Some(1));
     assert_eq!(names(&home.join("closed")), ["a.csv", "c.csv"]);
     // Wrong use, and inputs that cannot be opened, too.
     for (wrong, code) in [
@@ -146,8 +142,7 @@ fn parameter_camera_and_truth_files_are_files_of_a_sane_size() {
     std::os::unix::fs::symlink("/dev/zero", home.join("device.toml")).expect("linked");
     assert!(Command::new("mkfifo").arg(home.join("pipe.toml")).status().expect("mkfifo runs").success());
     let refused = |line: &[&str], code: i32| {
-        let mut command = home.program(line);
-        let output = ended(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts"));
+        let output = ended(home.start(line));
         assert_eq!(output.status.code(), Some(code), "{line:?}: {}", stderr(&output));
         stderr(&output)
     };
@@ -242,8 +237,7 @@ fn an_interrupted_render_ends_cleanly() {
     // A search that takes long, compared with the waits in this test.
     chart(&home, "a");
     let arguments = "render a --out x.png --slopes-u -3:3:61 --slopes-v -3:3:61 --first-octave -1";
-    let mut drawing = home.program(arguments);
-    let drawing = drawing.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
+    let drawing = home.start(arguments);
     at_work(&drawing);
     let killed = Command::new("kill").args(["-INT", &drawing.id().to_string()]).status().expect("kill runs");
     assert!(killed.success());
@@ -298,12 +292,7 @@ fn a_limit_on_the_size_of_files_is_an_error_that_names_the_file() {
     let home = home_with(&["nights/a", "nights/b"]);
     let limited = |blocks: u32, arguments: &str| {
         let script = format!("ulimit -f {blocks}; exec '{}' {arguments}", env!("CARGO_BIN_EXE_burstscope"));
-        let output = Command::new("sh")
-            .current_dir(&home)
-            .env("BURSTSCOPE_DEFAULTS", "")
-            .args(["-c", &script])
-            .output()
-            .expect("it runs");
+        let output = shell(&home, &script).output().expect("it runs");
         assert_eq!((output.status.code(), output.status.signal()), (Some(1), None), "{arguments}: {}", stderr(&output));
         stderr(&output)
     };
@@ -364,12 +353,7 @@ fn memory_that_is_refused_is_said() {
         ("synth scene --width 16384 --height 16384 --frames 2 --max-slope 1 --out scene", refused, "MiB"),
     ] {
         let script = format!("ulimit -v 1000000; exec '{program}' {arguments}");
-        let output = Command::new("sh")
-            .args(["-c", &script])
-            .current_dir(&home)
-            .envs([("RAYON_NUM_THREADS", "2"), ("BURSTSCOPE_DEFAULTS", "")])
-            .output()
-            .expect("it runs");
+        let output = shell(&home, &script).env("RAYON_NUM_THREADS", "2").output().expect("it runs");
         let words = stderr(&output);
         assert_eq!(output.status.code(), Some(1), "{arguments}: {words}");
         assert!(words.contains(words_of) && words.contains(named), "{arguments}: {words}");

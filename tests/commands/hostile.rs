@@ -87,8 +87,7 @@ fn no_pipe_is_waited_for() {
         ("detect demo-tripod --out out --octaves 1 --quiet", Some(0)),
         ("synth chart --out out/made --frames 2 --quiet", Some(0)),
     ] {
-        let mut running = home.program(command);
-        let output = ended(running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts"));
+        let output = ended(home.start(command));
         assert!(code.is_none_or(|code| output.status.code() == Some(code)), "{command}: {}", stderr(&output));
         assert!(output.status.code().is_some_and(|code| code < 3), "{command}: {}", stderr(&output));
     }
@@ -100,8 +99,7 @@ fn a_picture_of_a_file_without_header_says_what_is_missing() {
     home.write("x.raw", [7; 4096]);
     let expected = home.run_badly("detect x.raw --out o", 1);
     let words = expected.split("error: ").nth(1).and_then(|error| error.split_once(": ")).expect("an error").1;
-    let running = home.program("render x.raw --out r.png").stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
-    let output = ended(running.expect("it starts"));
+    let output = ended(home.start("render x.raw --out r.png"));
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains(words.trim()) && words.contains("--raw"), "{}", stderr(&output));
     assert!(!home.join("r.png").exists());

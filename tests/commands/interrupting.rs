@@ -23,8 +23,7 @@ fn send(signal: &str, process: u32) {
 
 /// Starts a command whose work takes many minutes, sends `signal` while it works, and returns its exit code.
 fn interrupt(home: &Path, arguments: &[&str], signal: &str) -> Option<i32> {
-    let mut child =
-        home.program(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
+    let mut child = home.start(arguments);
     at_work(&child);
     assert!(child.try_wait().expect("a state").is_none(), "{arguments:?} ended before it could be interrupted");
     send(signal, child.id());
@@ -85,8 +84,7 @@ fn a_film_or_a_case_that_is_written_stops_and_leaves_nothing() {
     let pictures = ["film", "a", "--sweep", "frames", "--no-features", "--out", "x.png"];
     let case = ["case", "a", "--out", "x.burstcase"];
     for command in [&film[..], &pictures, &case] {
-        let mut child = home.program(command);
-        let mut child = child.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        let mut child = home.start(command);
         while !names(&home).iter().any(|name| name.ends_with(".tmp")) {
             assert!(child.try_wait().expect("a state").is_none(), "{command:?} ended before it wrote");
             std::thread::sleep(Duration::from_millis(1));
@@ -101,9 +99,7 @@ fn a_film_or_a_case_that_is_written_stops_and_leaves_nothing() {
 #[test]
 fn a_second_request_ends_it_at_once() {
     let home = folder();
-    let arguments = "evaluate chart --motion 2d --seeds 500 --threads 1";
-    let mut child = home.program(arguments);
-    let child = child.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
+    let child = home.start("evaluate chart --motion 2d --seeds 500 --threads 1");
     at_work(&child);
     send("-TERM", child.id());
     send("-INT", child.id());
@@ -119,14 +115,8 @@ fn where_a_closed_terminal_is_to_be_ignored_it_is() {
     let program = env!("CARGO_BIN_EXE_burstscope");
     let script =
         format!("trap '' HUP; exec '{program}' detect a --slopes-u -3:3:21 --slopes-v -3:3:9 --threads 1 --out out");
-    let mut child = Command::new("sh");
-    child
-        .current_dir(&home)
-        .env("BURSTSCOPE_DEFAULTS", "")
-        .args(["-c", &script])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
-    let mut child = child.spawn().expect("the program starts");
+    let mut child = shell(&home, &script);
+    let mut child = child.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the program starts");
     for _ in 0..3 {
         std::thread::sleep(Duration::from_millis(200));
         send("-HUP", child.id());

@@ -221,8 +221,7 @@ fn a_session_of_absurd_numbers_is_drawn() {
         }
         home.write("a.burstscope.toml", toml::to_string(&all).expect("plain values"));
         let arguments = "render a.burstscope.toml --out a.png --force --size 900x600 --timeout 60";
-        let child = home.program(arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
-        let output = ended(child.expect("it starts"));
+        let output = ended(home.start(arguments));
         let words = stderr(&output);
         assert!(matches!(output.status.code(), Some(0 | 1)) && !words.contains("panicked"), "{which}: {words}");
         assert!(!words.contains("seconds"), "{which}: it is not done in time: {words}");

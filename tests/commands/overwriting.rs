@@ -287,11 +287,7 @@ fn of_two_runs_into_one_folder_one_is_refused() {
         .into();
     assert!(made[0] != made[1]);
     for round in 0..6 {
-        let start = |edge| {
-            let mut command = home.program(&arguments(edge));
-            command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts")
-        };
-        let (first, second) = (start("5"), start("12"));
+        let (first, second) = (home.start(&arguments("5")), home.start(&arguments("12")));
         let outputs = [first, second].map(|child| child.wait_with_output().expect("an end"));
         let codes = outputs.each_ref().map(|output| output.status.code());
         // The later one may have begun after the earlier one had ended.
@@ -316,8 +312,7 @@ fn a_folder_that_is_removed_while_it_is_written_is_an_error() {
         commands.push((&["colmap", "nights", "--out", "out"], "records/a.png.json"));
     }
     for (command, first) in commands {
-        let mut running = home.program(&[command, &search].concat());
-        let mut running = running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts");
+        let mut running = home.start(&[command, &search].concat());
         let end = Instant::now() + Duration::from_secs(300);
         while !out.join(first).exists() {
             assert!(Instant::now() < end, "{command:?} came to no file");

@@ -21,7 +21,7 @@ fn search(output: &Output) -> SearchParams {
 #[test]
 fn options_come_before_their_file_before_own_defaults_before_what_is_built_in() {
     let home = folder();
-    let write = |name: &str, text: &str| fs::write(home.join(name), text).expect("written");
+    let write = |name: &str, text: &str| home.write(name, text);
     write("own.toml", "levels = 4\nmax_features = 70\nedge_threshold = 8.0\n[matching]\nratio = 0.6\nseed = 7\n");
     write("p.toml", "levels = 5\nmax_features = 80\n[matching]\nratio = 0.7\nmin_inliers = 5\n");
     write("rules.toml", "rules = \"vlfeat\"\nlevels = 6\n");

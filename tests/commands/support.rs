@@ -91,6 +91,11 @@ pub trait Home {
         command
     }
 
+    /// Starts the program; it is ended by [`ended`] or otherwise.
+    fn start(&self, line: &(impl Line + ?Sized)) -> Child {
+        self.program(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts")
+    }
+
     /// Runs the program to its end.
     fn run(&self, line: &(impl Line + ?Sized)) -> Output {
         self.program(line).output().expect("the program starts")
@@ -153,6 +158,14 @@ pub fn at_work(running: &Child) {
     } else {
         std::thread::sleep(Duration::from_millis(1500));
     }
+}
+
+/// A shell that runs a script in this folder; programs in it do not have the user's defaults.
+#[cfg(unix)]
+pub fn shell(home: &Path, script: &str) -> Command {
+    let mut command = Command::new("sh");
+    command.current_dir(home).env("BURSTSCOPE_DEFAULTS", "").args(["-c", script]);
+    command
 }
 
 /// Makes a chart of four small frames in the folder `home/name`.
