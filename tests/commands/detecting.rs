@@ -10,7 +10,7 @@ fn the_demo_gives_features_in_all_formats() {
     let text = home.run_well("detect demo --out found --format csv,colmap,npz");
     let rows = features(&out.join("demo.csv"));
     assert!(rows.len() > 100, "{} features", rows.len());
-    says(&text, &[&format!("features  {}", rows.len()), "by slope", "the same blob as a stronger one"]);
+    says(text, &[&format!("features  {}", rows.len()), "by slope", "the same blob as a stronger one"]);
 
     let colmap = fs::read_to_string(out.join("demo.txt")).expect("a file");
     let mut lines = colmap.lines();

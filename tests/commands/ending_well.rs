@@ -272,7 +272,7 @@ fn a_search_beyond_the_memory_is_done_in_groups_of_slopes_or_refused_with_the_nu
     let search = ["detect", "a", "--out", "found", "--slopes-u", "-2:2:64", "--slopes-v", "-2:2:64"];
     let all = ["--slope-extrema", "joint", "--rules", "buff", "--memory"];
     let words = home.run_badly(&[&search[..], &all, &["30M"]].concat(), 1);
-    says(&words, &["--memory: this search of 4096 slopes", "30 MB may be used", "other rules than buff"]);
+    says(words, &["--memory: this search of 4096 slopes", "30 MB may be used", "other rules than buff"]);
     assert!(!home.join("found").exists());
     let few = "detect a --out few --slopes-u -1:1:3 --memory 50%";
     home.run_well(few);

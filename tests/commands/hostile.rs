@@ -69,7 +69,7 @@ fn no_pipe_is_waited_for() {
         folder(left);
         pipe(&format!("{left}/in-use"));
     }
-    ["out/.burstscope-x.lock", "locked.pipe"].into_iter().for_each(|lock| pipe(lock));
+    ["out/.burstscope-x.lock", "locked.pipe"].iter().for_each(|lock| pipe(lock));
     folder("taken");
     pipe("taken/.burstscope-lock");
     let list =

@@ -146,7 +146,7 @@ fn decoys_says_how_much_is_found_in_other_orders_too() {
     // The text has the same numbers, and another number of threads finds the same.
     let text = home.run_well(&format!("{line} --threads 1"));
     let (rate, error) = (rates[0]["rate"].as_f64().expect("a rate"), rates[0]["error"].as_f64().expect("an error"));
-    says(&text, &["2 copies in other orders (seed 1)", &format!("{rate:.2} ± {error:.2}")]);
+    says(text, &["2 copies in other orders (seed 1)", &format!("{rate:.2} ± {error:.2}")]);
     let other = home.run_json(&format!("{line} --seed 2 --json"));
     assert_ne!(other["decoys"]["rates"], found["decoys"]["rates"]);
 }

@@ -158,17 +158,17 @@ fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
     same(&folder, &expected, "in the way");
 }
 
-/// Makes a small chart of noisy frames.
-fn small_chart(home: &Path, out: &str, frames: usize, seed: u32) {
-    let size = "--width 96 --height 72 --discs 4 --radius 3:6 --snr 5";
-    home.run_well(&format!("synth chart --out {out} --frames {frames} --seed {seed} {size}"));
+/// Makes a small chart with these further options.
+fn small_chart(home: &Path, out: &str, seed: u32, more: &str) {
+    let size = "--width 96 --height 72 --discs 4 --radius 3:6";
+    home.run_well(&format!("synth chart --out {out} --seed {seed} {size} {more}"));
 }
 
 /// A folder with two bursts of three frames whose files all have one length.
 fn nights() -> Folder {
     let home = folder();
     for (night, seed) in [("a", 1), ("b", 2)] {
-        small_chart(&home, night, 3, seed);
+        small_chart(&home, night, seed, "--frames 3 --snr 5");
         home.make_dir(&format!("nights/{night}"));
         for t in 0..3 {
             let frame = image::open(home.join(format!("{night}/frame_00{t}.png"))).expect("a frame");
@@ -291,7 +291,7 @@ fn two_processes_do_not_write_into_one_folder() {
 fn what_several_runs_have_found_is_gathered() {
     let home = folder();
     for (name, seed) in [("a", 1), ("b", 2), ("c", 2), ("d", 2)] {
-        small_chart(&home, &format!("nights/{name}"), 4, seed);
+        small_chart(&home, &format!("nights/{name}"), seed, "--frames 4");
     }
     let search = ["--slopes-u", "-1:1:3", "--octaves", "2"];
     let colmap = |inputs: &[&str], more: &[&str]| home.run_well(&[&["colmap"], inputs, &search, more].concat());

@@ -46,7 +46,7 @@ fn accuracy_and_noise_give_tables_and_json() {
     let home = folder();
     let accuracy = [&["evaluate", "accuracy", "--snr", "inf"], &SMALL[..], &["--slopes-u", "-1:1:5"]].concat();
     let table = home.run_well(&accuracy);
-    says(&table, &["slope u, px/frame", "discs beyond the range", "Crowded charts", "stand apart in all frames"]);
+    says(table, &["slope u, px/frame", "discs beyond the range", "Crowded charts", "stand apart in all frames"]);
     let alone = home.run_well(&[&accuracy[..], &["--apart-discs", "0"]].concat());
     assert!(!alone.contains("stand apart in all frames"), "{alone}");
     let report = home.run_json(&[&accuracy[..], &["--json"]].concat());

@@ -7,7 +7,7 @@ use ndarray::Array1;
 #[track_caller]
 fn failure(path: &Path, words: &[&str]) -> Error {
     let error = Burst::open(path).expect_err("this must not open");
-    says(&error, &[&*path.file_name().expect("named").to_string_lossy()]);
+    says(&error, &[&path.file_name().expect("named").to_string_lossy()]);
     says(&error, words);
     error
 }
