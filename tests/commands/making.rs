@@ -10,7 +10,8 @@ fn truth(folder: &Path) -> Truth {
 #[test]
 fn a_chart_opens_again_with_the_very_same_values() {
     let home = folder();
-    let arguments = "synth chart --out chart --width 200 --height 150 --discs 6 --radius 3.6:9 --frames 4 --snr 1.5 --motion 2d --seed 11";
+    let arguments = "synth chart --out chart --width 200 --height 150 --discs 6 --radius 3.6:9 --frames 4 --snr 1.5 \
+                     --motion 2d --seed 11";
     says(home.run_well(arguments), &["4 frames of 200×150, 6 features"]);
     let folder = home.join("chart");
     assert_eq!(
