@@ -356,10 +356,9 @@ fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f
 fn path_of(seen: &Seen, lags: &Lags, fourier: &Fourier, first_level: u32) -> Option<Path> {
     let mut levels = seen.wholes.iter().zip(first_level..);
     levels.find_map(|(whole, level)| {
-        let Path { way, error, noise, .. } = peak::path(&whole.pairs, lags, fourier)?;
+        let Path { way, noise, .. } = peak::path(&whole.pairs, lags, fourier)?;
         let unit = f64::from(1u32 << level);
-        let way = way.iter().map(|x| x.map(|x| x * unit)).collect();
-        Some(Path { way, error: error * unit, noise: noise * unit, pixel: unit })
+        Some(Path { way: way.iter().map(|x| x.map(|x| x * unit)).collect(), noise: noise * unit, pixel: unit })
     })
 }
 

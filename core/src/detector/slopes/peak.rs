@@ -286,11 +286,8 @@ const FINEST_STEP: f64 = 0.02;
 const SHIFT_ERROR: f64 = 1.2;
 
 /// Path of the picture as a whole; all lengths in one unit.
-#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Path {
     pub way: Vec<[f64; 2]>,
-    /// Error of a single position relative to the next one.
-    pub error: f64,
     /// Distance from a uniform motion that noise alone would cause.
     pub noise: f64,
     /// Width of a pixel of the level at which it was measured.
@@ -306,13 +303,13 @@ impl Path {
     }
 }
 
-/// Smallest overlap of two frames, 0 … 1, at which their correlation shows whether the shifts between them add up.
-const MIN_SEEN: f32 = 0.2;
+/// Ratio of the nats of a uniform motion to those of a path from which the path is none; noise makes 4.5 nats besides.
+const REFUTED: f64 = 1.1;
 
 /// Path of the picture as a whole, level pixels; `None` where pairs are too noisy or the picture moves in parts.
 pub(super) fn path(pairs: &CrossSpectra, lags: &Lags, fourier: &Fourier) -> Option<Path> {
-    let (neighbours, next) = pairs.products.split_at(lags.neighbours());
-    let (of_neighbours, of_next) = pairs.variance.split_at(lags.neighbours());
+    let (neighbours, farther) = pairs.products.split_at(lags.neighbours());
+    let (of_neighbours, of_farther) = pairs.variance.split_at(lags.neighbours());
     let variance = of_neighbours.iter().sum::<f64>() / neighbours.len() as f64;
     if neighbours.len() < 2 || variance <= 0.0 {
         return None;
@@ -325,22 +322,27 @@ pub(super) fn path(pairs: &CrossSpectra, lags: &Lags, fourier: &Fourier) -> Opti
         let [x, y] = *way.last()?;
         way.push([x + u, y + v]);
     }
-    // Frames two apart measure the sum of two shifts independently.
-    let next = fourier.correlations(&next[..neighbours.len() - 1], &mut fourier.scratch(0));
-    // Of several motions now one and now another is the strongest: their shifts do not add up.
-    let adds_up = |((plane, variance), ends): ((&Vec<f32>, &f64), &[[f64; 2]])| {
-        let shift = [0, 1].map(|axis| ends[2][axis] - ends[0][axis]);
-        let plane_of = unbiased(plane, &fourier.overlap);
-        overlap_at(&fourier.overlap, shift) < MIN_SEEN
-            || peak_of(plane, &fourier.overlap, *variance)
-                .is_none_or(|(at, _)| cubic(&plane_of, shift) >= SAME_SCENE * cubic(&plane_of, at))
+    // Frames farther apart measure the sums of shifts independently. Of several motions now one and now another is the
+    // strongest, and in the dark now and then a peak of noise: then one shift, kept up, explains those frames better.
+    let farther = fourier.correlations(farther, &mut fourier.scratch(0));
+    let nats = |way: &[[f64; 2]]| {
+        let (mut power, mut noise) = (0.0, 0.0);
+        for ((plane, variance), (s, t)) in farther.iter().zip(of_farther).zip(&lags.near[planes.len()..]) {
+            let shift = [0, 1].map(|axis| way[*t][axis] - way[*s][axis]);
+            let overlap = f64::from(overlap_at(&fourier.overlap, shift));
+            power += overlap * cubic(plane, shift);
+            noise += overlap * overlap * variance;
+        }
+        0.5 * power.max(0.0).powi(2) / noise.max(f64::MIN_POSITIVE)
     };
-    if !next.iter().zip(of_next).zip(way.windows(3)).all(adds_up) {
+    let shifts = way.windows(2).map(|ends| [0, 1].map(|axis| ends[1][axis] - ends[0][axis]));
+    let mut kept_up = shifts.map(|shift| (0..way.len()).map(|t| shift.map(|x| x * t as f64)).collect::<Vec<_>>());
+    if kept_up.any(|other| nats(&other) > REFUTED * nats(&way) + 4.5) {
         return None;
     }
     // Each shift has an error of about a pixel divided by its significance; the errors add up along the path.
-    let error = SHIFT_ERROR / min;
-    Some(Path { way, error, noise: error * (planes.len() as f64).sqrt(), pixel: 1.0 })
+    let noise = SHIFT_ERROR / min * (planes.len() as f64).sqrt();
+    Some(Path { way, noise, pixel: 1.0 })
 }
 
 /// Least ratio of two correlations of the same scene.

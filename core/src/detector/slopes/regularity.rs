@@ -59,28 +59,25 @@ pub(super) fn of_places(evidence: &[SlopeEvidence], steps: Steps, size: Size) ->
     // Motion of the picture's corners over the burst.
     let corner = 0.5 * (size.pixels.0 as f64).hypot(size.pixels.1 as f64) * size.gaps;
     let counts = |x: f64| left < LEFT && x.abs() * corner > 2.0 * super::SAME_SMEAR_PX && x.abs() > OVER_SHEAR * shear;
-    let mut warnings = Vec::new();
-    let mut warn = |kind, number: f64, text| {
-        warnings.push(MotionWarning { kind, frames: Vec::new(), number: number as f32, text });
-    };
-    if counts(turn) {
+    let warning = |kind, number: f64, text| MotionWarning { kind, frames: Vec::new(), number: number as f32, text };
+    let turns = counts(turn).then(|| {
         let degrees = (turn * size.gaps).to_degrees();
         let text = format!(
             "the frames turn by {:.1}° over the burst, so the slopes differ from place to place; use fewer frames",
             degrees.abs()
         );
-        warn(MotionWarningKind::Turns, degrees, text);
-    }
-    if counts(growth) {
+        warning(MotionWarningKind::Turns, degrees, text)
+    });
+    let grows = counts(growth).then(|| {
         let percent = 100.0 * growth * size.gaps;
         let grows = if percent > 0.0 { "grows" } else { "shrinks" };
         let text = format!(
             "the picture {grows} by {:.1} % over the burst, so the slopes differ from place to place; use fewer frames",
             percent.abs()
         );
-        warn(MotionWarningKind::Grows, percent, text);
-    }
-    warnings
+        warning(MotionWarningKind::Grows, percent, text)
+    });
+    [turns, grows].into_iter().flatten().collect()
 }
 
 /// Change of the slope (u, v) with place (u, v), per pixel and frame, and the share of the windows' spread of slopes

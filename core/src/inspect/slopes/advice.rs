@@ -76,8 +76,8 @@ pub(super) fn advice(
     // Missing slopes come before superfluous ones, and those of frames that do not move straight after these.
     let is_superfluous = judged.as_ref().is_some_and(|one| one.subject == AdviceSubject::Cost);
     let (missing, superfluous) = if is_superfluous { (None, judged) } else { (judged, None) };
-    let tried = |advice: Option<SlopeAdvice>| advice.map(|advice| judging.tried(advice, monitor)).transpose();
-    Ok([missing, tried(judging.coverage(spectrum))?.flatten(), superfluous].into_iter().flatten().collect())
+    let coverage = judging.tried(judging.coverage(spectrum), monitor)?;
+    Ok([missing, coverage, superfluous].into_iter().flatten().collect())
 }
 
 /// Minimum share of the picture that all frames should show at the typical slope of the evidence.
@@ -114,7 +114,8 @@ impl Judging<'_> {
 
     /// `advice` with changes that help: its own, or those to the slopes found. A fault that neither mends is said
     /// without changes; a saving that does not help is not said at all, nor is what the frames refute.
-    pub fn tried(&self, advice: SlopeAdvice, monitor: &Monitor) -> Result<Option<SlopeAdvice>, Cancelled> {
+    pub fn tried(&self, advice: Option<SlopeAdvice>, monitor: &Monitor) -> Result<Option<SlopeAdvice>, Cancelled> {
+        let Some(advice) = advice else { return Ok(None) };
         let unmended = SlopeAdvice { changes: Vec::new(), times: None, ..advice.clone() };
         if advice.times.is_some() {
             return Ok(Some(if self.is_even_after(monitor)? { advice } else { unmended }));

@@ -40,8 +40,10 @@ const STRAIGHT_PX: f32 = 1.4;
 /// Part of the motion seen that slopes hold at least where they fit.
 const FITS: f32 = 0.8;
 /// Sum of the significances of the evidence from which slopes can fit: in frames that show less, a layer, an exchange of
-/// frames and a bend go unseen (in 22 of 72 bursts at SNR 0.5 and 1; in 6 of 104 that show more).
-const SHOWN: f32 = 500.0;
+/// frames and a bend go unseen.
+const SHOWN: f32 = 600.0;
+/// Such a sum from which nothing moves where all of it is slow: still frames show 300 or more at SNR 0.5.
+const STILL: f32 = 150.0;
 /// Smallest number of frames of which an even motion is reported.
 const FEWEST: usize = 3;
 
@@ -139,29 +141,35 @@ impl<'a> Judging<'a> {
             (1, _) => format!("; 1 of {} lies at the limit", counted(features, "feature")),
             _ => format!("; {} of {} lie at the limit", grouped(at_limit as u64), counted(features, "feature")),
         };
-        let tried = |advice: Option<SlopeAdvice>| advice.map(|advice| self.tried(advice, monitor)).transpose();
-        let mut advice = tried(self.advice())?.flatten();
+        let mut advice = self.tried(self.advice(), monitor)?;
         // Motion beyond the range that the frames refute hides no later fault.
         if advice.is_none() && self.finding.is_some_and(|finding| finding.grid != self.grid) {
-            advice = tried(self.step().or_else(|| self.cost()))?.flatten();
+            advice = self.tried(self.step().or_else(|| self.cost()), monitor)?;
         }
         let advice = advice.map(|advice| SlopeAdvice { sentence: advice.sentence + &clause, ..advice });
-        let held = self.finding.map_or(0.0, |finding| finding.agreement(&self.grid, self.params, self.positions));
-        let shown = self.evidence.iter().map(|evidence| evidence.significance).sum::<f32>();
-        let fits = advice.is_none() && shown >= SHOWN && held >= FITS;
-        let sentence = advice.as_ref().map_or_else(
-            || match self.finding {
-                _ if fits => format!("the slopes fit the burst{clause}"),
-                Some(_) if held < FITS && !self.evidence.is_empty() => format!(
-                    "too little to judge the slopes: {:.0} % of the motion seen lies within them{clause}",
-                    100.0 * held
-                ),
-                Some(_) => format!("the frames show too little to judge the slopes{clause}"),
-                None => format!("the slopes were not compared with the frames, as 'slopes' does{clause}"),
-            },
-            |advice| advice.sentence.clone(),
-        );
+        let held = self.held();
+        let fits = advice.is_none() && self.shown() >= SHOWN && held >= FITS;
+        let sentence = match (&advice, self.finding) {
+            (Some(advice), _) => advice.sentence.clone(),
+            _ if fits => format!("the slopes fit the burst{clause}"),
+            (_, Some(_)) if held < FITS && !self.evidence.is_empty() => format!(
+                "too little to judge the slopes: {:.0} % of the motion seen lies within them{clause}",
+                100.0 * held
+            ),
+            (_, Some(_)) => format!("the frames show too little to judge the slopes{clause}"),
+            (_, None) => format!("the slopes were not compared with the frames, as 'slopes' does{clause}"),
+        };
         Ok(SlopeJudgement { sentence, fits, advice })
+    }
+
+    /// The sum of the significances of the evidence.
+    fn shown(&self) -> f32 {
+        self.evidence.iter().map(|evidence| evidence.significance).sum()
+    }
+
+    /// The part of the motion seen that the slopes hold.
+    fn held(&self) -> f32 {
+        self.finding.map_or(0.0, |finding| finding.agreement(&self.grid, self.params, self.positions))
     }
 
     /// The first fault, with changes that mend this fault and the later ones.
@@ -174,7 +182,7 @@ impl<'a> Judging<'a> {
         let found = self.finding.map(|finding| (finding.grid, finding.verdict));
         // Motions within half a step of 0 lose no more there than half-way between two slopes of a right grid.
         let half_step = self.sigma / self.positions.span() as f32;
-        let is_slow = !self.evidence.is_empty() && self.evidence.iter().all(|e| e.slope.magnitude() <= half_step);
+        let is_slow = self.shown() >= STILL && self.evidence.iter().all(|e| e.slope.magnitude() <= half_step);
         let is_still = is_slow || matches!(found, Some((_, SlopeVerdict::Still)));
         if is_still && self.grid.len() > 1 {
             return Some(self.still());
@@ -192,9 +200,8 @@ impl<'a> Judging<'a> {
 
     /// The part of the evidence that satisfies `holds`.
     pub fn part(&self, holds: impl Fn(&SlopeEvidence) -> bool) -> f32 {
-        let all = self.evidence.iter().map(|e| e.significance).sum::<f32>();
         let part = self.evidence.iter().filter(|e| holds(e)).map(|e| e.significance).sum::<f32>();
-        if all > 0.0 { part / all } else { 0.0 }
+        part / self.shown().max(f32::MIN_POSITIVE)
     }
 
     /// The range, along an axis, of the evidence that satisfies `holds`.
@@ -290,19 +297,13 @@ impl<'a> Judging<'a> {
         if part <= OFF_LINE_PART {
             return None;
         }
-        let percent = 100.0 * part;
-        let sentence = if grid.len() == 1 {
-            format!("{percent:.0} % of what the frames show does not move at the one slope that was searched")
-        } else if found.v.count == 1 && found.u.count > 1 {
-            let degrees = number(found.direction_deg, 0);
-            format!(
-                "{percent:.0} % of what the frames show does not move along the searched line: a line at {degrees}° fits it"
-            )
-        } else {
-            format!(
-                "{percent:.0} % of what the frames show does not move along the searched line: it needs slopes in two directions"
-            )
+        let degrees = number(found.direction_deg, 0);
+        let how = match (found.u.count, found.v.count) {
+            _ if grid.len() == 1 => "at the one slope that was searched".to_owned(),
+            (2.., 1) => format!("along the searched line: a line at {degrees}° fits it"),
+            _ => "along the searched line: it needs slopes in two directions".to_owned(),
         };
+        let sentence = format!("{:.0} % of what the frames show does not move {how}", 100.0 * part);
         let changes = self.changes_to(found);
         Some(SlopeAdvice::new(AdviceSubject::Direction, f64::from(part), sentence, changes))
     }
@@ -350,13 +351,8 @@ impl<'a> Judging<'a> {
 
     /// The part of the sentence about one axis, some of whose evidence lies beyond its range.
     fn beyond_text(&self, second: bool, axis: SlopeAxis, is_beyond: impl Fn(&SlopeAxis, f32) -> bool) -> String {
-        let turned = self.grid.direction_deg != 0.0;
-        let name = match (turned, second) {
-            (false, false) => "u ",
-            (false, true) => "v ",
-            (true, false) => "",
-            (true, true) => "across ",
-        };
+        let names = if self.grid.direction_deg == 0.0 { ["u ", "v "] } else { ["", "across "] };
+        let name = names[usize::from(second)];
         let range = format!("the range {name}{} to {} px/frame", number(axis.min, 2), number(axis.max, 2));
         // A range on one side of 0, and motion on the other side.
         let side = if axis.max <= -axis.min { -1.0 } else { 1.0 };
@@ -476,7 +472,8 @@ impl<'a> Judging<'a> {
     }
 
     fn cost(&self) -> Option<SlopeAdvice> {
-        let found = self.fewer()?;
+        // Where what moves has other slopes than those searched, it needs others, not fewer.
+        let found = self.fewer().filter(|_| self.held() >= FITS)?;
         let part = found.len() as f64 / self.grid.len() as f64;
         let (searched, enough) = (counted(self.grid.len(), "slope"), found.len());
         let sentence =
