@@ -126,13 +126,15 @@ pub const NOISE_COLUMNS: &str =
     "noise,sigma,mean,bits,search,slopes,noise_gate,per_megapixel,standard_error,false_features,most_in_a_burst";
 /// Header of tables of the matches of methods.
 pub const METHOD_MATCH_COLUMNS: &str = "method,keypoints_per_image,putative_per_image,inliers_per_image,match_ratio,match_score,inlier_ratio,verified_pairs,on_gold_geometry_per_image";
+/// Header of tables of right matches by the angle between two cameras.
+pub const ANGLE_COLUMNS: &str = "method,from_deg,to_deg,pairs,seen_by_both,matches,right,precision";
 /// Header of tables of errors of poses.
 pub const POSE_COLUMNS: &str = "pose_error,rmse,mean,median,max";
 /// Header of tables of the bursts of a flight.
 pub const FLIGHT_COLUMNS: &str =
     "burst,frames,width,height,frame_noise,slopes_fit,slopes,features,motion,times,error,verified_pairs";
 /// Headers of tables that commands write where they are asked to.
-const OF_COMMANDS: [&str; 9] = [
+const OF_COMMANDS: [&str; 10] = [
     FLIGHT_COLUMNS,
     SPECTRUM_COLUMNS,
     METHOD_COLUMNS,
@@ -140,6 +142,7 @@ const OF_COMMANDS: [&str; 9] = [
     ACCURACY_COLUMNS,
     NOISE_COLUMNS,
     METHOD_MATCH_COLUMNS,
+    ANGLE_COLUMNS,
     POSE_COLUMNS,
     PLANTED_COLUMNS,
 ];

@@ -23,9 +23,10 @@ pub use colmap::{ColmapKeypoint, parse_colmap, read_colmap, write_colmap, write_
 #[cfg(feature = "colmap")]
 pub use colmap::{DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database};
 pub use csv::{
-    ACCURACY_COLUMNS, BURST_FRAMES_COLUMNS, CURVE_COLUMNS, FLIGHT_COLUMNS, FeatureVerdict, MATCH_COLUMNS,
-    METHOD_COLUMNS, METHOD_MATCH_COLUMNS, MatchRow, NOISE_COLUMNS, PLANTED_COLUMNS, POSE_COLUMNS, PROFILE_COLUMNS,
-    SPECTRUM_COLUMNS, VERDICT_COLUMNS, feature_header, profiles_table, read_features_csv, write_csv, write_matches_csv,
+    ACCURACY_COLUMNS, ANGLE_COLUMNS, BURST_FRAMES_COLUMNS, CURVE_COLUMNS, FLIGHT_COLUMNS, FeatureVerdict,
+    MATCH_COLUMNS, METHOD_COLUMNS, METHOD_MATCH_COLUMNS, MatchRow, NOISE_COLUMNS, PLANTED_COLUMNS, POSE_COLUMNS,
+    PROFILE_COLUMNS, SPECTRUM_COLUMNS, VERDICT_COLUMNS, feature_header, profiles_table, read_features_csv, write_csv,
+    write_matches_csv,
 };
 pub use density::{Cells, IN_A_CELL};
 pub use drawing::*;
