@@ -5,7 +5,7 @@ use super::{ChartsArgs, ComparedArgs, OutputArgs, SearchArgs};
 use crate::burst::ViewGrid;
 use crate::evaluate::NoiseStudy;
 use crate::evaluate::advice::AdviceStudy;
-use crate::synth::NoiseCase;
+use crate::synth::{NoiseCase, NoiseKind};
 use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -107,9 +107,10 @@ pub struct NoiseArgs {
     /// clipped-black, saturated, constant-frame, constant, drifting-stripes-SPEED (px/frame), varying-TIMES (strength
     /// by place), banding, still-banding, smoothed, flickering-pixels, noisy-columns, negative, fading-PERCENT and
     /// breathing-PERCENT (level over time), cosmic-streaks, fixed-pattern-PERCENT (of the noise), bits-PERCENT (of
-    /// pixels that are 1, the others 0). Without it the white ones of --sigma and --bits, and all others.
-    #[arg(long, value_name = "CASE,…", value_delimiter = ',', value_parser = NoiseCase::from_str)]
-    pub case: Vec<NoiseCase>,
+    /// pixels that are 1, the others 0), growing-stripes. Two are joined by +, and followed by :strength=2 (of patterns),
+    /// :period=40 (px) and :phase=0.5 (of it). Without it the white ones of --sigma and --bits, and all others.
+    #[arg(long, value_name = "CASE,…", value_delimiter = ',', value_parser = NoiseKind::from_str)]
+    pub case: Vec<NoiseKind>,
     /// Standard deviation of the noise of the kinds of --case, fraction of full scale.
     #[arg(long, value_name = "SIGMA", default_value_t = 0.02)]
     pub case_sigma: f64,

@@ -1,21 +1,19 @@
 //! `evaluate matches`: counts the matches of a dataset's bursts, method by method.
 
-use super::matching_args::cameras_help;
 use super::study::{StudySearch, TableArgs, once_each, searched_by, write_figure};
 use super::synth::levels_of;
 use super::{
     Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, document, open_options, resolve_bursts,
 };
-use crate::burst::{Burst, BurstFiles, OpenOptions};
-use crate::dataset::{BurstCameras, CameraChoice};
+use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
+use crate::error::Error;
 use crate::evaluate::matches::{AngleRow, MatchRow, TrueViews, TruthReport};
 use crate::evaluate::poses::read_trajectory;
 use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Searches, Shot, slopes_of};
 use crate::export::{ANGLE_COLUMNS, Cell, METHOD_MATCH_COLUMNS, Table};
 use crate::inspect::words::counted;
-use crate::matching::{PairSelection, params::doc};
-use crate::plane::Plane;
+use crate::matching::PairSelection;
 use crate::synth::{NoisyExposure, NoisyParams};
 use clap::Args;
 use serde::Serialize;
@@ -32,7 +30,7 @@ fn noisy() -> NoisyParams {
 /// of the paper's that need no reconstruction. With --snr the frames are taken for what the camera sees, each burst is
 /// taken anew with noise, and the frames themselves are the gold standard.
 #[derive(Debug, Clone, Args)]
-#[command(after_long_help = MATCHES_HELP, allow_negative_numbers = true, mut_arg(doc::CAMERA.name, cameras_help))]
+#[command(after_long_help = MATCHES_HELP, allow_negative_numbers = true)]
 pub struct MatchesArgs {
     /// Folder of bursts (each a folder of frames), several of them, stacks, or a long sequence with --burst-length.
     #[arg(value_name = "DATASET", required = true)]
@@ -63,20 +61,15 @@ pub struct MatchesArgs {
     #[arg(long, value_name = "WHICH", default_value_t = PairSelection::default(), value_parser = PairSelection::from_str)]
     pub pairs: PairSelection,
     /// Table that is shown last and written by --table: right matches by the angle between the two cameras of a pair as
-    /// seen from the scene.
+    /// seen from the scene. Needs a known --camera.
     #[arg(long, value_name = "WHAT", value_parser = ["angle"], requires = "truth")]
     pub by: Option<String>,
     /// True poses of the bursts, by which matches are judged: as 'evaluate poses --truth' takes them. The points of a
     /// sparse model say which part of the scene both cameras of a pair see.
     #[arg(long, value_name = "POSES", requires = "by")]
     pub truth: Option<PathBuf>,
-    /// True inverse depth at each pixel of the bursts, in the poses' unit of length: a file for each burst, in the
-    /// bursts' order, such as arrays of floats.
-    #[arg(long, value_name = "DATASET", requires = "truth")]
-    pub inverse_depth: Option<PathBuf>,
-    /// Largest error of a right match: its distance from where the true depth puts it, or without depths from true
-    /// epipolar geometry.
-    #[arg(long, value_name = "PX", default_value_t = 4.0, requires = "truth")]
+    /// Largest distance of a right match from true epipolar geometry.
+    #[arg(long, value_name = "PX", default_value_t = 2.0, requires = "truth")]
     pub right_px: f64,
     #[command(flatten)]
     pub sequence: SequenceArgs,
@@ -105,7 +98,8 @@ JSON (--json):
      \"putative_per_image\", \"inliers_per_image\", \"match_ratio\", \"match_score\", \"inlier_ratio\", \"verified_pairs\", \"on_gold_geometry_per_image\",
      \"slopes_found\": [one grid a burst, where the method finds them],
      \"by_pair\": [{\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent, \"on_gold_geometry\", \"right\": with a truth}]}],
-   \"truth\": with one {\"right_px\", \"pairs\": [[angle in degrees or null, share seen by both or null]], \"by_angle\": [{\"method\", \"from_deg\", \"to_deg\", \"pairs\", \"seen_by_both\", \"matches\", \"right\", \"precision\"}]}}
+   \"truth\": with one {\"right_px\", \"pairs\": [[angle in degrees or null, share seen by both or null]],
+     \"by_angle\": [{\"method\", \"from_deg\", \"to_deg\", \"pairs\", \"seen_by_both\", \"matches\", \"right\", \"precision\"}]}}
   frame_noise is that of a frame at the mean signal, a fraction of full scale.";
 
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -124,23 +118,22 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     let StudySearch { detector, slopes, direction_deg } = searched_by(&args.run.search, &args.methods)?;
     let methods = methods(args, has_gold, slopes.is_none());
     let (slopes_1d, slopes_2d) = slopes_of(slopes.unwrap_or(detector.slopes));
+    let matching = args.matching.params(&args.run.search.file, None)?;
     let console = Console::new(&args.run.output)?;
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
-    let files: Vec<BurstFiles> = inputs.iter().map(Input::files).collect();
-    let cameras = args.matching.cameras(&args.run.search.file, &files, &args.inputs, CameraChoice::default())?;
-    let golds =
-        args.gold.as_ref().map(|gold| one_for_each(("gold", "sharp images"), gold, args, &inputs)).transpose()?;
+    let golds = sharp_inputs(args, &inputs)?;
     let options = open_options(&inputs, &args.run.calibration)?;
-    let settings: Vec<_> = args.run.search.file.params.iter().chain(&args.truth).collect();
-    let settings: Vec<_> = settings.into_iter().chain(args.matching.camera_files(&cameras)).map(Some).collect();
+    let settings = [args.run.search.file.params.as_ref(), args.truth.as_ref()];
     let rules = args.file.overwrite.rules(&inputs, &options, &settings);
     args.file.table.iter().try_for_each(|path| rules.check(path))?;
-    let matching = args.matching.params(&args.run.search.file, cameras.known().next())?;
-    let truth = true_views(args, &inputs, &cameras, &console)?;
-    let (searches, pairs) = (Searches { detector, slopes_1d, slopes_2d, direction_deg }, args.pairs.clone());
-    let study = MatchStudy { methods, has_gold, searches, matching, pairs, cameras, truth };
     let exposure = exposure(args, &inputs, &options, &console)?;
     let names: Vec<String> = inputs.iter().map(|i| i.name.clone()).collect();
+    let truth = args.truth.as_ref().map(|poses| {
+        let unknown = || Error::param("camera", "viewing rays need it", "give the camera of the bursts");
+        TrueViews::of(&names, matching.camera.clone().ok_or_else(unknown)?, &read_trajectory(poses)?, args.right_px)
+    });
+    let (searches, pairs) = (Searches { detector, slopes_1d, slopes_2d, direction_deg }, args.pairs.clone());
+    let study = MatchStudy { methods, has_gold, searches, matching, pairs, truth: truth.transpose()? };
     // Bursts are opened again for each method: the noise of one follows from its place, as in copies that are written.
     let mut frames_before = vec![0];
     let report = study.run(
@@ -153,8 +146,6 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
                 (Shot::Gold, None) => Ok(inputs[k].open(&options, &silent)?),
                 (Shot::Burst, _) => {
                     let burst = inputs[k].open(&options, &silent)?;
-                    // A camera of pictures of another size is refused.
-                    study.cameras.of_burst(&names[k]).for_images(burst.size())?;
                     let first_stream = 1 + frames_before[k] as u64;
                     if frames_before.len() == k + 1 {
                         frames_before.push(frames_before[k] + burst.len());
@@ -198,48 +189,26 @@ fn methods(args: &MatchesArgs, has_gold: bool, finds_slopes: bool) -> Vec<BurstM
     gold.into_iter().chain(&[SiftFrame, SiftMerge]).chain(buff).copied().collect()
 }
 
-/// Inputs in the folder that the option `name` gives, one for each burst: cut as the bursts are, or a file for each.
-fn one_for_each(
-    (name, what): (&str, &str),
-    folder: &PathBuf,
-    args: &MatchesArgs,
-    inputs: &[Input],
-) -> Result<Vec<Input>, Failure> {
-    let single = SequenceArgs { burst_length: Some(1), burst_step: None };
-    let mut count = 0;
-    for sequence in [args.sequence, single] {
-        let found = resolve_bursts(std::slice::from_ref(folder), sequence, &args.run.calibration)?;
-        if found.len() == inputs.len() {
-            return Ok(found);
-        }
-        count = found.len();
+/// Sharp images of the bursts, where `--gold` names them: cut as the bursts are, or one for each burst.
+fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Result<Option<Vec<Input>>, Failure> {
+    let Some(gold) = &args.gold else { return Ok(None) };
+    let sharp = std::slice::from_ref(gold);
+    let options = args.run.calibration.clone();
+    let mut found = resolve_bursts(sharp, args.sequence, &options)?;
+    if found.len() != inputs.len() {
+        // A folder with one picture for each burst.
+        let single = SequenceArgs { burst_length: Some(1), burst_step: None };
+        found = resolve_bursts(sharp, single, &options)?;
     }
-    let (bursts, folder) = (inputs.len(), folder.display());
-    Err(Failure::usage(format!(
-        "--{name}: {count} {what} for {bursts} bursts; give one for each burst, or a dataset like that of the bursts: {folder}"
-    )))
-}
-
-fn true_views(
-    args: &MatchesArgs,
-    inputs: &[Input],
-    cameras: &BurstCameras,
-    console: &Console,
-) -> Result<Option<TrueViews>, Failure> {
-    let Some(truth) = &args.truth else { return Ok(None) };
-    let depth = |input: Input| -> Result<Plane, Failure> {
-        let burst = input.open(&OpenOptions::default(), &console.monitor.silent())?;
-        let map = &burst.frames[burst.len() / 2];
-        // Values as the file has them.
-        let depths = map.data().iter().map(|depth| depth * burst.full_scale).collect();
-        Ok(Plane::from_vec(map.width(), map.height(), depths))
-    };
-    let maps = args.inverse_depth.as_ref();
-    let maps =
-        maps.map(|folder| one_for_each(("inverse-depth", "maps of depths"), folder, args, inputs)).transpose()?;
-    let depths: Vec<Plane> = maps.unwrap_or_default().into_iter().map(depth).collect::<Result<_, _>>()?;
-    let names: Vec<String> = inputs.iter().map(|input| input.name.clone()).collect();
-    Ok(Some(TrueViews::of(&names, cameras, &read_trajectory(truth)?, &depths, args.right_px)?))
+    if found.len() != inputs.len() {
+        return Err(Failure::usage(format!(
+            "--gold: {} sharp images for {} bursts; give one for each burst, or a dataset like that of the bursts: {}",
+            found.len(),
+            inputs.len(),
+            gold.display()
+        )));
+    }
+    Ok(Some(found))
 }
 
 fn exposure(
@@ -275,10 +244,9 @@ fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {
         }
     }
     let by_angle = report.truth.as_ref().map_or_else(String::new, |truth| {
-        let unknown = truth.pairs.iter().filter(|(angle, _)| angle.is_none()).count();
-        let unknown =
-            if unknown > 0 { format!(" ({} without a known angle)", counted(unknown, "pair")) } else { String::new() };
-        format!("\nMatches right within {} px, by angle{unknown}\n{}", truth.right_px, angles_table(truth).text())
+        let unknown = counted(truth.pairs.iter().filter(|(angle, _)| angle.is_none()).count(), "pair");
+        let title = format!("Right matches, within {} px, by angle ({unknown} without a known one)", truth.right_px);
+        format!("\n{title}\n{}", angles_table(truth).text())
     });
     text + "\n" + &methods_table(report).text() + &by_angle
 }

@@ -223,7 +223,8 @@ fn errors_text(row: &AccuracyRow) -> String {
         + &table(&["", "median |error|", "95 %", "mean ± standard error"], lines)
 }
 
-pub(super) fn noise_text(report: &NoiseReport) -> String {
+/// `drawn` is the study of all kinds, of which `report` has the worst.
+pub(super) fn noise_text(report: &NoiseReport, drawn: Option<&NoiseReport>) -> String {
     let columns = report.rows.first().map_or(&[][..], |row| &row.searches);
     let heads: Vec<String> = ["noise", "sigma", "mean", "bits"]
         .map(str::to_owned)
@@ -244,9 +245,18 @@ pub(super) fn noise_text(report: &NoiseReport) -> String {
     let gates = std::iter::once("noise gate".to_owned()).chain(std::iter::repeat_n(String::new(), 3)).chain(gates);
     let NoiseReport { bursts, frames, width, height, megapixels, first_seed, .. } = report;
     let table = table(&heads, rows.chain([gates.collect()]));
+    let worst = report.rows.iter().max_by(|a, b| a.most().total_cmp(&b.most())).zip(drawn);
+    let worst = worst.map_or_else(String::new, |(worst, drawn)| {
+        let NoiseLevel { sigma, case, mean, .. } = worst.level;
+        let in_burst = |burst: usize| worst.searches.iter().map(|search| search.of_bursts[burst]).max();
+        let seed = first_seed + (0..*bursts).rev().max_by_key(|burst| in_burst(*burst)).unwrap_or(0) as u64;
+        let made = format!("synth noise --case {} --sigma {sigma} --level {mean} --seed {seed}", case.name());
+        let size = format!("--width {width} --height {height} --frames {frames} --out noise");
+        format!("\nthe worst of {}; its burst with most of them:\nburstscope {made} {size}\n", drawn.rows.len())
+    });
     format!(
         "{} of {frames} frames of {width}×{height} for each row, {megapixels:.1} Mpx of image, seeds from {first_seed}\n\n\
-         False features in a million pixels of the image (± standard error), how many there were, and most in a burst\n{table}",
+         False features in a million pixels of the image (± standard error), how many there were, and most in a burst\n{table}{worst}",
         counted(*bursts, "burst")
     )
 }

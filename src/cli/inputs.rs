@@ -60,10 +60,6 @@ impl Input {
         self.source.as_ref().map_or(&[], BurstSource::paths)
     }
 
-    pub fn files(&self) -> BurstFiles {
-        BurstFiles { name: self.name.clone(), paths: self.paths().to_vec() }
-    }
-
     pub fn path_texts(&self) -> Vec<String> {
         self.paths().iter().map(|path| path_text(path)).collect()
     }

@@ -7,7 +7,7 @@ use super::report::BurstReport;
 use super::{
     Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, OverwriteArgs, document, open_options, resolve_pair,
 };
-use crate::burst::Burst;
+use crate::burst::{Burst, BurstFiles};
 use crate::dataset::{CameraChoice, DetectedBurst, match_bursts, match_rows};
 use crate::detector::Detection;
 use crate::detector::params::Word;
@@ -25,7 +25,8 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let mut job = DetectJob::new(&args.out, &args.format, &params)?;
     let console = Console::new(&args.run.output)?;
     let inputs = resolve_pair(&args.a, &args.b, &args.run.calibration)?;
-    let (bursts, file): (Vec<_>, _) = (inputs.iter().map(Input::files).collect(), &args.run.search.file);
+    let files = |input: &Input| BurstFiles { name: input.name.clone(), paths: input.paths().to_vec() };
+    let (bursts, file): (Vec<_>, _) = (inputs.iter().map(files).collect(), &args.run.search.file);
     let paths = [args.a.clone(), args.b.clone()];
     let cameras = args.matching.cameras(file, &bursts, &paths, CameraChoice::default())?;
     let [of_a, of_b] = [0, 1].map(|side| cameras.of_burst(&bursts[side].name));

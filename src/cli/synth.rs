@@ -8,17 +8,19 @@ use crate::files::path_text;
 use crate::inspect::words::counted;
 use crate::monitor::Monitor;
 use crate::synth::{
-    ChartParams, FrameLevels, Light, NoiseTruth, NoisyParams, SceneParams, Trajectory, TrajectoryParams, Truth,
-    synth_chart, synth_scene, write_burst, write_noisy, write_trajectory,
+    ChartParams, FrameLevels, Light, NoiseCase, NoiseKind, NoiseTruth, NoisyParams, SceneParams, Trajectory,
+    TrajectoryParams, Truth, synth_chart, synth_scene, write_burst, write_noisy, write_trajectory,
 };
 use clap::{Args, Subcommand};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
     match &args.kind {
         SynthKind::Chart(args) => one_burst(&args.out, &args.output, |monitor| synth_chart(&args.params, monitor)),
         SynthKind::Scene(args) => one_burst(&args.out, &args.output, |monitor| synth_scene(&args.params, monitor)),
+        SynthKind::Noise(args) => noise(args),
         SynthKind::Noisy(args) => noisy(args),
         SynthKind::Trajectory(args) => trajectory(args),
     }
@@ -86,6 +88,18 @@ fn one_burst(
     say_made(out, &made, &truth, &console)
 }
 
+fn noise(BurstArgs { out, params, output }: &BurstArgs<NoiseArgs>) -> Result<(), Failure> {
+    let console = Console::new(output)?;
+    let ([width, height, frames], seed) =
+        ([params.width, params.height, params.frames].map(|n| n as usize), params.seed);
+    let monitor = &console.monitor;
+    let burst = params.case.burst_at(params.level, (width, height), frames, params.sigma, seed, monitor)?;
+    let truth = Truth { width, height, frames, t0: 0.5 * (frames as f64 - 1.0), seed, ..Truth::default() };
+    write_burst(out, &burst, &truth, monitor)?;
+    let made = format!("{} of {width}×{height}, noise alone: {}", counted(frames, "frame"), params.case.name());
+    say_made(out, &made, &truth, &console)
+}
+
 fn noise_words(noise: Option<NoiseTruth>) -> String {
     noise.map_or_else(
         || "no noise".to_owned(),
@@ -113,6 +127,8 @@ pub enum SynthKind {
     Chart(BurstArgs<ChartParams>),
     /// Textured layers at several depths, each with its own slope.
     Scene(BurstArgs<SceneParams>),
+    /// Noise alone, as cameras and files make it.
+    Noise(BurstArgs<NoiseArgs>),
     Noisy(NoisyArgs),
     Trajectory(TrajectoryArgs),
 }
@@ -128,6 +144,36 @@ pub struct BurstArgs<P: Args> {
     pub params: P,
     #[command(flatten)]
     pub output: OutputArgs,
+}
+
+/// A burst of noise, in which 'evaluate noise' counts.
+#[derive(Debug, Clone, Args)]
+pub struct NoiseArgs {
+    /// Kind of the noise, as 'evaluate noise --case' takes it.
+    #[arg(long, value_name = "CASE", value_parser = NoiseKind::from_str, default_value = "white")]
+    pub case: NoiseKind,
+    /// Standard deviation of a frame, fraction of full scale.
+    #[arg(long, default_value_t = 0.02)]
+    pub sigma: f64,
+    /// Grey level, fraction of full scale.
+    #[arg(long, default_value_t = NoiseCase::LEVEL)]
+    pub level: f64,
+    /// Columns.
+    #[arg(long, default_value_t = 800, value_parser = sides())]
+    pub width: u64,
+    /// Rows.
+    #[arg(long, default_value_t = 600, value_parser = sides())]
+    pub height: u64,
+    /// Frames.
+    #[arg(long, default_value_t = 10, value_parser = sides())]
+    pub frames: u64,
+    /// Seed: the same seed makes the same burst on every machine.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+}
+
+fn sides() -> clap::builder::RangedU64ValueParser {
+    clap::value_parser!(u64).range(1..=8192)
 }
 
 /// Noisy copies of real frames, as our camera would have taken them in the dark.

@@ -141,6 +141,19 @@ fn the_tables_of_studies_are_of_every_kind_and_have_their_numbers() {
     let search = &report["rows"][0]["searches"];
     assert_same(&column(&rows, "false_features"), &numbers(search, |search| &search["false_features"]));
     assert_same(&column(&rows, "per_megapixel"), &numbers(search, |search| &search["per_megapixel"]));
+
+    // Kinds that are drawn: the worst are measured again, and the worst of them is made by the line that is told.
+    let drawn = ["evaluate", "noise", "--cases", "3", "--megapixels", "0.01", "--method", "sift", "--width", "100"];
+    let drawn = [&drawn[..], &["--height", "100"]].concat();
+    let report = json(home.path(), &[&drawn[..], &["--json"]].concat());
+    assert_eq!(
+        ["/rows", "/drawn/rows"].map(|rows| report.pointer(rows).map(|r| r.as_array().map(Vec::len))),
+        [Some(Some(3)); 2]
+    );
+    let said = run_well(home.path(), &drawn);
+    let line = said.lines().find_map(|line| line.strip_prefix("burstscope ")).expect("a line that makes it");
+    run_well(home.path(), &line.split(' ').collect::<Vec<_>>());
+    assert!(names(&home.path().join("noise")).contains(&"frame_009.png".to_owned()));
 }
 
 #[test]
@@ -153,6 +166,16 @@ fn the_tables_of_matches_and_poses_are_of_every_kind_and_have_their_numbers() {
     let report = home.run_json(&[&matches[..], &["--json"]].concat());
     for name in ["keypoints_per_image", "match_score", "verified_pairs"] {
         assert_eq!(column(&rows, name), numbers(&report["methods"], |method| &method[name]), "{name}");
+    }
+    // The true poses come with the way; three cameras near one another have small angles.
+    let truth = ["--by", "angle", "--truth", "way/poses.txt", "--camera", "way/lens.toml"];
+    let matches = [&matches[..], &truth].concat();
+    let (rows, latex) = written(home.path(), &matches, "--table");
+    let report = json(home.path(), &[&matches[..], &["--json"]].concat());
+    for name in ["matches", "right"] {
+        let expected = numbers(&report["truth"]["by_angle"], |row| &row[name]);
+        assert_eq!(column(&rows, name), expected, "{name}");
+        assert!(has_all(&latex, &expected, 0));
     }
 
     let poses = "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0.5 0 0 0 0 1\n3 3 0 1 0 0 0 1\n";

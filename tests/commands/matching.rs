@@ -245,15 +245,9 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
         // `evaluate matches`, and the tables of `figures`.
         let methods = vec![BurstMethod::Buff1d];
         let (searches, of_study) = (searches.clone(), matching.clone());
-        let study = MatchStudy {
-            methods,
-            has_gold: false,
-            searches,
-            matching: of_study,
-            pairs: PairSelection::All,
-            cameras: BurstCameras::default(),
-            truth: None,
-        };
+        let all_pairs = PairSelection::All;
+        let study =
+            MatchStudy { methods, has_gold: false, searches, matching: of_study, pairs: all_pairs, truth: None };
         let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
         let open = |k: usize, _: Shot| -> Result<Burst> { Ok(bursts[k].clone()) };
         let report = study.run(&names, open, &monitor).expect("studied");
@@ -282,7 +276,7 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
         let mut of_window = vec![MatchCounts::default(); pairs.len()];
         let mut on = |pair: MatchedPair<'_>| {
             let index = pairs.iter().position(|of| *of == pair.indices).expect("a pair");
-            of_window[index] = pair.aligned(&monitor)?.counts;
+            of_window[index] = pair.aligned(&matching, &monitor)?.counts;
             Ok(())
         };
         let mut kept = KeptBursts { store: &store, bursts: &files, monitor: &monitor };

@@ -21,7 +21,7 @@ fn expected(home: &Path, pair: (usize, usize)) -> MatchCounts {
     let mut counts = None;
     let params = MatchParams::default();
     let mut on = |matched: MatchedPair<'_>| {
-        counts = Some(matched.aligned(&monitor)?.counts);
+        counts = Some(matched.aligned(&params, &monitor)?.counts);
         Ok(())
     };
     match_pairs::<burstscope::error::Error>(&[pair], &params, &mut kept, &mut on, &monitor).unwrap();

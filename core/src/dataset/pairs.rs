@@ -145,16 +145,14 @@ pub struct MatchedPair<'a> {
     pub indices: (usize, usize),
     /// Their features.
     pub sides: [&'a BurstSide; 2],
-    /// Parameters with which they were matched.
-    pub params: &'a MatchParams,
     /// Matches of the first burst's features with those of the second, before an alignment.
     pub found: &'a Unaligned,
 }
 
 impl MatchedPair<'_> {
     /// The result after an alignment of this pair alone, as [`match_bursts`] gives it.
-    pub fn aligned(&self, monitor: &Monitor) -> Result<MatchResult> {
-        self.found.clone().aligned(self.sides.map(BurstSide::side), self.params, monitor)
+    pub fn aligned(&self, params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
+        self.found.clone().aligned(self.sides.map(BurstSide::side), params, monitor)
     }
 }
 
@@ -165,11 +163,6 @@ pub trait PairSource<E> {
 
     /// A burst with the parameters of its search; needed only where matches are aligned.
     fn burst(&mut self, index: usize) -> Result<(Burst, DetectorParams), E>;
-
-    /// `params` for a pair: with the cameras of its bursts, where these have their own.
-    fn matching(&self, _pair: (usize, usize), params: &MatchParams) -> MatchParams {
-        params.clone()
-    }
 }
 
 /// Bursts whose features are in the files of a store; those that are not finished are left out.
@@ -217,11 +210,8 @@ pub fn match_pairs<E: From<Error>>(
     on: &mut dyn FnMut(MatchedPair<'_>) -> Result<(), E>,
     monitor: &Monitor,
 ) -> Result<usize, E> {
-    let of_pair: BTreeMap<_, _> = pairs.iter().map(|&pair| (pair, source.matching(pair, params))).collect();
-    let mut on = |(indices, sides, found): MadePair<'_, Unaligned>| {
-        on(MatchedPair { indices, sides, params: &of_pair[&indices], found: &found })
-    };
-    let matched = |pair, sides: [MatchSide<'_>; 2]| match_features(sides, &of_pair[&pair], &monitor.silent());
+    let mut on = |(indices, sides, found): MadePair<'_, Unaligned>| on(MatchedPair { indices, sides, found: &found });
+    let matched = |_, sides: [MatchSide<'_>; 2]| match_features(sides, params, &monitor.silent());
     for_pairs(pairs, params, source, (&matched, &mut on), monitor)
 }
 

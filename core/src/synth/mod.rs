@@ -32,7 +32,7 @@ pub use chart::{ChartParams, RadiusLaw, synth_chart};
 pub use demo::{demo_burst, demo_truth, later_demo_burst};
 pub use examples::Example;
 pub use noise::Camera;
-pub use noise_case::NoiseCase;
+pub use noise_case::{NoiseCase, NoiseKind};
 pub use scene::{SceneParams, synth_scene};
 pub use truth::{FeatureTruth, LayerTruth, NoiseTruth, Truth, TruthKind};
 pub use uneven::Uneven;

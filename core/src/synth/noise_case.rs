@@ -72,15 +72,34 @@ pub enum NoiseCase {
     FixedPattern(u8),
     /// A pixel is 0 or 1, and 1 in this many percent of the frames (1 … 99), as single-photon cameras count.
     Bits(u8),
+    /// As [`Self::ColumnStripes`], but none at the top and of full strength at the bottom.
+    GrowingStripes,
 }
 
-const COLUMNS_A_NOISY: usize = 50;
+/// A case with its parameters, alone or together with another one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoiseKind {
+    /// The cases; of one alone the second is white.
+    pub cases: [NoiseCase; 2],
+    /// Multiple of the usual strength of patterns and of changes of the level.
+    pub strength: f64,
+    /// Pixels after which stripes, bands and variations repeat; `None` for as usual.
+    pub period_px: Option<u16>,
+    /// Part of the period by which they are moved, 0 … 1.
+    pub phase: f64,
+}
+
+impl From<NoiseCase> for NoiseKind {
+    fn from(case: NoiseCase) -> Self {
+        Self { cases: [case, NoiseCase::White], strength: 1.0, period_px: None, phase: 0.0 }
+    }
+}
 
 impl NoiseCase {
     /// Grey level of the scene where no other is asked for, fraction of full scale.
     pub const LEVEL: f64 = 0.5;
     /// All cases, with the JPEG qualities, variations of strength and speeds that are commonly measured.
-    pub const ALL: [Self; 36] = [
+    pub const ALL: [Self; 37] = [
         Self::White,
         Self::Doubled,
         Self::Jpeg(90),
@@ -117,6 +136,7 @@ impl NoiseCase {
         Self::CosmicStreaks,
         Self::FixedPattern(20),
         Self::Bits(10),
+        Self::GrowingStripes,
     ];
 
     /// Name on the command line and in reports; [`str::parse`] reads it.
@@ -143,73 +163,24 @@ impl NoiseCase {
         seed: u64,
         monitor: &Monitor,
     ) -> Result<Burst, Cancelled> {
-        self.burst_at(Self::LEVEL, size, frames, sigma, seed, monitor)
+        NoiseKind::from(self).burst_at(Self::LEVEL, size, frames, sigma, seed, monitor)
     }
 
-    /// A burst as of [`Self::burst`], around the grey `level` (fraction of full scale) where the case has no own.
-    pub fn burst_at(
-        self,
-        level: f64,
-        size: (usize, usize),
-        frames: usize,
-        sigma: f64,
-        seed: u64,
-        monitor: &Monitor,
-    ) -> Result<Burst, Cancelled> {
-        // Stream 0 is for the pattern shared by all frames; frame t has stream t + 1.
-        let pattern = self.pattern(size, sigma, &mut Stream::new(seed, 0));
-        // A stream beyond those of the frames: gains change no noise.
-        let mut exposures = Stream::new(seed, frames as u64 + 1);
-        let mut planes: Vec<Plane> = Vec::with_capacity(frames);
-        for t in 0..frames {
-            monitor.check()?;
-            if self == Self::Doubled && t % 2 == 1 {
-                planes.push(planes[t - 1].clone());
-                continue;
-            }
-            let gain = if self == Self::GainFlicker { 1.0 + 0.1 * exposures.normal() } else { 1.0 };
-            let stream = &mut Stream::new(seed, t as u64 + 1);
-            let frame = self.frame(size, (level, sigma), &pattern, (t, frames), stream);
-            planes.push(match self {
-                Self::GainFlicker => mapped(&frame, |x| (f64::from(x) * gain) as f32),
-                Self::Jpeg(quality) => through_jpeg(&[&frame], quality),
-                Self::ColourJpeg(quality) => {
-                    // Independent noise in each channel, as colours of a sensor have.
-                    let [green, blue] =
-                        [(); 2].map(|()| self.frame(size, (level, sigma), &pattern, (t, frames), stream));
-                    through_jpeg(&[&frame, &green, &blue], quality)
-                }
-                Self::Correlated => with_shared_noise(&frame, level),
-                Self::ClippedBlack | Self::Saturated => mapped(&frame, |x| x.clamp(0.0, 1.0)),
-                // A filter over time, as of a camera that denoises: neighbouring frames share noise.
-                Self::Smoothed => match planes.last() {
-                    Some(before) => {
-                        let share = 0.8;
-                        let both = before.data().iter().zip(frame.data());
-                        Plane::from_vec(size.0, size.1, both.map(|(b, x)| share * b + (1.0 - share) * x).collect())
-                    }
-                    None => frame,
-                },
-                Self::Bits(percent) => mapped(&frame, |_| f32::from(stream.uniform() < f64::from(percent) / 100.0)),
-                Self::NoisyColumns => with_noisy_columns(frame, sigma, stream),
-                Self::CosmicStreaks => with_streaks(frame, sigma, stream),
-                _ => frame,
-            });
-        }
-        let mut burst = Burst::from_planes(self.name(), planes);
-        if matches!(self, Self::Jpeg(_) | Self::ColourJpeg(_)) {
-            // All other cases are floats without rounding.
-            burst.quantisation_step = quantisation_step(8) as f32;
-        }
-        Ok(burst)
-    }
-
-    fn pattern(self, (width, height): (usize, usize), sigma: f64, stream: &mut Stream) -> Plane {
+    fn pattern(self, (width, height): (usize, usize), sigma: f64, kind: &NoiseKind, stream: &mut Stream) -> Plane {
         let mut pattern = Plane::zeros(width, height);
+        let mut columns = |count: usize| -> Vec<f32> {
+            let drawn: Vec<f32> = (0..count).map(|_| (sigma * stream.normal()) as f32).collect();
+            let (period, moved) = (kind.period_px.map_or(count, usize::from), kind.moved(count));
+            (0..count).map(|u| drawn[(u + moved) % period % count]).collect()
+        };
         match self {
             Self::ColumnStripes => {
-                let columns: Vec<f32> = (0..width).map(|_| (sigma * stream.normal()) as f32).collect();
+                let columns = columns(width);
                 (0..height).for_each(|v| pattern.row_mut(v).copy_from_slice(&columns));
+            }
+            Self::GrowingStripes => {
+                let columns = columns(width);
+                pattern = Plane::from_fn(width, height, |u, v| columns[u] * v as f32 / height as f32);
             }
             Self::HotPixels | Self::FlickeringPixels => {
                 let is_hot = self == Self::HotPixels;
@@ -218,11 +189,8 @@ impl NoiseCase {
                     pattern.row_mut(v)[u] = (sigma * stream.within(5.0, 20.0)) as f32;
                 }
             }
-            Self::DriftingStripes(_) => {
-                // Twice as many columns as are seen, so that the stripes can move.
-                let columns: Vec<f32> = (0..2 * width).map(|_| (sigma * stream.normal()) as f32).collect();
-                pattern = Plane::from_vec(2 * width, 1, columns);
-            }
+            // Twice as many columns as are seen, so that the stripes can move.
+            Self::DriftingStripes(_) => pattern = Plane::from_vec(2 * width, 1, columns(2 * width)),
             Self::FixedPattern(percent) => {
                 let deviation = sigma * f64::from(percent) / 100.0;
                 pattern = Plane::from_fn(width, height, |_, _| (deviation * stream.normal()) as f32);
@@ -232,56 +200,211 @@ impl NoiseCase {
         pattern
     }
 
-    /// Frame `t` of `frames` before the effects of files and exposures.
-    fn frame(
-        self,
-        size: (usize, usize),
-        (level, sigma): (f64, f64),
-        pattern: &Plane,
-        (t, frames): (usize, usize),
-        stream: &mut Stream,
-    ) -> Plane {
-        let middle = t == frames / 2;
+    /// Grey level of frame `t` of `frames`, usually `level`; `strength` multiplies its change.
+    fn level(self, level: f64, (t, frames): (usize, usize), strength: f64) -> f64 {
         let over = t as f64 / (frames as f64 - 1.0).max(1.0);
-        let level = match self {
+        match self {
             Self::ClippedBlack | Self::Negative => 0.0,
             Self::Saturated => 1.0,
-            Self::BlackFrame if middle => 0.0,
-            Self::Fading(percent) => level * (1.0 + f64::from(percent) / 100.0 * (over - 0.5)),
-            Self::Breathing(percent) => level * (1.0 + f64::from(percent) / 100.0 * libm::sin(TAU / 2.0 * over)),
+            Self::BlackFrame if t == frames / 2 => 0.0,
+            Self::Fading(percent) => level * (1.0 + strength * f64::from(percent) / 100.0 * (over - 0.5)),
+            Self::Breathing(percent) => {
+                level * (1.0 + strength * f64::from(percent) / 100.0 * libm::sin(TAU / 2.0 * over))
+            }
             _ => level,
-        };
-        let factor = |u: usize, v: usize| match self {
-            Self::NoisyFrame if middle => 5.0,
-            Self::NoisyHalf if 2 * u >= size.0 => 3.0,
-            Self::ConstantFrame | Self::BlackFrame if middle => 0.0,
+        }
+    }
+
+    /// Multiple of the usual noise at a pixel.
+    fn factor(self, (u, v): (usize, usize), width: usize, is_middle: bool, kind: &NoiseKind) -> f64 {
+        match self {
+            Self::NoisyFrame if is_middle => 5.0,
+            Self::NoisyHalf if 2 * u >= width => 3.0,
+            Self::ConstantFrame | Self::BlackFrame if is_middle => 0.0,
             Self::Constant => 0.0,
             Self::Varying(times) => {
-                let wave = |x: usize| libm::sin(TAU * x as f64 / 250.0);
+                let wave = |x: usize| libm::sin(TAU * (x as f64 / kind.period(250.0) + kind.phase));
                 libm::pow(f64::from(times), 0.5 + 0.5 * wave(u) * wave(v))
             }
             _ => 1.0,
-        };
-        // Frame 0 shows the stripes from half of their columns on, so that they can come in from the left.
-        let speed = if let Self::DriftingStripes(tenths) = self { f64::from(tenths) / 10.0 } else { 0.0 };
-        let drifted = |u: usize| (u + size.0 / 2) as f64 - speed * t as f64;
-        let band = |v: usize| {
-            let phase = if self == Self::Banding { (1.0 / 7.0) * t as f64 } else { 0.0 };
-            level * 0.02 * libm::sin(TAU * (v as f64 / 180.0 + phase))
-        };
-        let added = |u: usize, v: usize, stream: &mut Stream| match self {
-            Self::DriftingStripes(_) => {
-                let (whole, part) = (drifted(u).max(0.0) as usize, drifted(u).max(0.0).fract() as f32);
-                (1.0 - part) * pattern.at(whole, 0) + part * pattern.at(whole + 1, 0)
+        }
+    }
+}
+
+impl NoiseKind {
+    /// Name on the command line and in reports, such as `column-stripes+jpeg-90:strength=2:period=40:phase=0.5`;
+    /// [`str::parse`] reads it.
+    pub fn name(&self) -> String {
+        let [first, second] = self.cases;
+        let mut name = first.name();
+        name += &if second == NoiseCase::White { String::new() } else { format!("+{}", second.name()) };
+        let (strength, phase) = (self.strength, self.phase);
+        name += &if strength == 1.0 { String::new() } else { format!(":strength={strength}") };
+        name += &self.period_px.map_or_else(String::new, |period| format!(":period={period}"));
+        name + &if phase == 0.0 { String::new() } else { format!(":phase={phase}") }
+    }
+
+    /// Point `index` of a grid over all cases, their pairs and parameters: the same for the same seed.
+    pub fn drawn(index: usize, seed: u64) -> Self {
+        let stream = &mut Stream::new(seed, index as u64);
+        // Each case comes in its turn. Without noise all is signal, so nothing is put on top of such frames.
+        let first = NoiseCase::ALL[index % NoiseCase::ALL.len()];
+        let other = NoiseCase::ALL[stream.below(NoiseCase::ALL.len())];
+        let is_pair = stream.uniform() < 0.5 && ![first, other].contains(&NoiseCase::Constant) && first != other;
+        Self {
+            cases: [first, if is_pair { other } else { NoiseCase::White }],
+            strength: [0.25, 0.5, 1.0, 2.0][stream.below(4)],
+            period_px: [None, Some(7), Some(16), Some(40), Some(90)][stream.below(5)],
+            phase: [0.0, 0.25, 0.5, 0.75][stream.below(4)],
+        }
+    }
+
+    fn has(&self, case: NoiseCase) -> bool {
+        self.cases.contains(&case)
+    }
+
+    fn period(&self, usual: f64) -> f64 {
+        self.period_px.map_or(usual, f64::from)
+    }
+
+    /// Pixels by which a pattern that usually repeats after `usual` is moved.
+    fn moved(&self, usual: usize) -> usize {
+        (self.phase * self.period(usual as f64)) as usize
+    }
+
+    /// A burst of `size` (columns, rows) around the grey `level`, where no case has its own, with noise of σ `sigma`;
+    /// both are fractions of full scale.
+    pub fn burst_at(
+        &self,
+        level: f64,
+        size: (usize, usize),
+        frames: usize,
+        sigma: f64,
+        seed: u64,
+        monitor: &Monitor,
+    ) -> Result<Burst, Cancelled> {
+        // Stream 0 is for the pattern shared by all frames; frame t has stream t + 1.
+        let pattern_streams = [0, u64::MAX];
+        let pattern = |k: usize| self.cases[k].pattern(size, sigma, self, &mut Stream::new(seed, pattern_streams[k]));
+        let patterns = [pattern(0), pattern(1)];
+        // A stream beyond those of the frames: gains change no noise.
+        let mut exposures = Stream::new(seed, frames as u64 + 1);
+        let mut planes: Vec<Plane> = Vec::with_capacity(frames);
+        for t in 0..frames {
+            monitor.check()?;
+            if self.has(NoiseCase::Doubled) && t % 2 == 1 {
+                planes.push(planes[t - 1].clone());
+                continue;
             }
-            Self::Banding | Self::StillBanding => band(v) as f32,
-            Self::FlickeringPixels if pattern.at(u, v) > 0.0 && stream.uniform() < 0.5 => 0.0,
-            _ => pattern.at(u, v),
+            let stream = &mut Stream::new(seed, t as u64 + 1);
+            let drawn = |stream: &mut Stream| self.frame(size, (level, sigma), &patterns, (t, frames), stream);
+            let mut frame = drawn(stream);
+            for case in self.cases {
+                frame = match case {
+                    NoiseCase::GainFlicker => {
+                        let gain = 1.0 + 0.1 * self.strength * exposures.normal();
+                        mapped(&frame, |x| (f64::from(x) * gain) as f32)
+                    }
+                    NoiseCase::Jpeg(quality) => through_jpeg(&[&frame], quality),
+                    NoiseCase::ColourJpeg(quality) => {
+                        // Independent noise in each channel, as colours of a sensor have.
+                        let [green, blue] = [(); 2].map(|()| drawn(stream));
+                        through_jpeg(&[&frame, &green, &blue], quality)
+                    }
+                    NoiseCase::Correlated => with_shared_noise(&frame, level),
+                    NoiseCase::ClippedBlack | NoiseCase::Saturated => mapped(&frame, |x| x.clamp(0.0, 1.0)),
+                    // A filter over time, as of a camera that denoises: neighbouring frames share noise.
+                    NoiseCase::Smoothed => match planes.last() {
+                        Some(before) => {
+                            let share = 0.8;
+                            let both = before.data().iter().zip(frame.data());
+                            Plane::from_vec(size.0, size.1, both.map(|(b, x)| share * b + (1.0 - share) * x).collect())
+                        }
+                        None => frame,
+                    },
+                    NoiseCase::Bits(percent) => {
+                        mapped(&frame, |_| f32::from(stream.uniform() < f64::from(percent) / 100.0))
+                    }
+                    NoiseCase::NoisyColumns => self.with_noisy_columns(frame, sigma, stream),
+                    NoiseCase::CosmicStreaks => with_streaks(frame, self.strength * sigma, stream),
+                    _ => frame,
+                };
+            }
+            planes.push(frame);
+        }
+        let mut burst = Burst::from_planes(self.name(), planes);
+        if self.cases.iter().any(|case| matches!(case, NoiseCase::Jpeg(_) | NoiseCase::ColourJpeg(_))) {
+            // All other cases are floats without rounding.
+            burst.quantisation_step = quantisation_step(8) as f32;
+        }
+        Ok(burst)
+    }
+
+    /// Frame `t` of `frames` before the effects of files and exposures.
+    fn frame(
+        &self,
+        size: (usize, usize),
+        (level, sigma): (f64, f64),
+        patterns: &[Plane; 2],
+        (t, frames): (usize, usize),
+        stream: &mut Stream,
+    ) -> Plane {
+        let level = self.cases.iter().fold(level, |level, case| case.level(level, (t, frames), self.strength));
+        let band =
+            |v: usize, phase: f64| level * 0.02 * libm::sin(TAU * (v as f64 / self.period(180.0) + self.phase + phase));
+        let added = |k: usize, u: usize, v: usize, stream: &mut Stream| match self.cases[k] {
+            NoiseCase::DriftingStripes(tenths) => {
+                // Frame 0 shows the stripes from half of their columns on, so that they can come in from the left.
+                let drifted = ((u + size.0 / 2) as f64 - f64::from(tenths) / 10.0 * t as f64).max(0.0);
+                let (whole, part) = (drifted as usize, drifted.fract() as f32);
+                (1.0 - part) * patterns[k].at(whole, 0) + part * patterns[k].at(whole + 1, 0)
+            }
+            NoiseCase::Banding => band(v, (1.0 / 7.0) * t as f64) as f32,
+            NoiseCase::StillBanding => band(v, 0.0) as f32,
+            NoiseCase::FlickeringPixels if patterns[k].at(u, v) > 0.0 && stream.uniform() < 0.5 => 0.0,
+            _ => patterns[k].at(u, v),
         };
+        let (is_middle, strength) = (t == frames / 2, self.strength as f32);
         Plane::from_fn(size.0, size.1, |u, v| {
-            let noise = sigma * factor(u, v) * stream.normal();
-            (level + noise) as f32 + added(u, v, stream)
+            let factor: f64 = self.cases.iter().map(|case| case.factor((u, v), size.0, is_middle, self)).product();
+            let noise = sigma * factor * stream.normal();
+            (level + noise) as f32 + strength * added(0, u, v, stream) + strength * added(1, u, v, stream)
         })
+    }
+
+    fn with_noisy_columns(&self, mut frame: Plane, sigma: f64, stream: &mut Stream) -> Plane {
+        let period = self.period(50.0) as usize;
+        for u in ((period / 2 + self.moved(50)) % period..frame.width()).step_by(period) {
+            let offset = (self.strength * sigma * stream.normal()) as f32;
+            (0..frame.height()).for_each(|v| frame.row_mut(v)[u] += offset);
+        }
+        frame
+    }
+}
+
+impl std::str::FromStr for NoiseKind {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut parts = text.split(':');
+        let mut cases = parts.next().unwrap_or_default().splitn(2, '+');
+        let mut kind = Self::from(cases.next().unwrap_or_default().parse::<NoiseCase>()?);
+        kind.cases[1] = cases.next().map_or(Ok(NoiseCase::White), str::parse)?;
+        for part in parts {
+            let number = part.split_once('=').and_then(|(name, value)| Some((name, value.parse::<f64>().ok()?)));
+            match number {
+                Some(("strength", x)) if (0.0..=100.0).contains(&x) => kind.strength = x,
+                Some(("period", x)) if (2.0..=9999.0).contains(&x) && x.fract() == 0.0 => {
+                    kind.period_px = Some(x as u16)
+                }
+                Some(("phase", x)) if (0.0..1.0).contains(&x) => kind.phase = x,
+                _ => {
+                    let right = "strength=0 … 100, period=2 … 9999 pixels, or phase=0 … 1 (of it)";
+                    return Err(format!("'{part}' is none of {right}, such as column-stripes:strength=2:period=40"));
+                }
+            }
+        }
+        Ok(kind)
     }
 }
 
@@ -320,7 +443,7 @@ impl std::str::FromStr for NoiseCase {
     }
 }
 
-impl Serialize for NoiseCase {
+impl Serialize for NoiseKind {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(&self.name())
     }
@@ -368,14 +491,6 @@ fn with_streaks(mut frame: Plane, sigma: f64, stream: &mut Stream) -> Plane {
                 frame.row_mut(y as usize)[x as usize] += amplitude;
             }
         }
-    }
-    frame
-}
-
-fn with_noisy_columns(mut frame: Plane, sigma: f64, stream: &mut Stream) -> Plane {
-    for u in (COLUMNS_A_NOISY / 2..frame.width()).step_by(COLUMNS_A_NOISY) {
-        let offset = (sigma * stream.normal()) as f32;
-        (0..frame.height()).for_each(|v| frame.row_mut(v)[u] += offset);
     }
     frame
 }

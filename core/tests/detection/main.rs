@@ -8,6 +8,7 @@ mod shared;
 
 mod aligned;
 mod claims;
+mod field;
 mod found_slopes;
 mod goldens;
 mod inspect;

@@ -18,7 +18,7 @@ use super::methods::{BurstMethod, Searches};
 use super::poses::{Pose, PoseStudy, Trajectory, associate};
 use super::statistics::quantiles;
 use burstscope_core::burst::Burst;
-use burstscope_core::dataset::{BurstCameras, BurstSide, MatchedPair, PairSource, match_pairs};
+use burstscope_core::dataset::{BurstSide, MatchedPair, PairSource, match_pairs};
 use burstscope_core::detect::{Searched, search};
 use burstscope_core::detector::{DetectorParams, SearchParams, SlopeGrid};
 use burstscope_core::error::{Error, Result};
@@ -26,10 +26,8 @@ use burstscope_core::matching::{
     Camera, Geometry, ImageCounts, Match, MatchCounts, MatchParams, MatchResult, PairSelection, TwoViewModel,
 };
 use burstscope_core::monitor::{Monitor, Stage};
-use burstscope_core::plane::Plane;
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// Kind of pictures of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,8 +48,6 @@ pub struct MatchStudy {
     pub searches: Searches,
     pub matching: MatchParams,
     pub pairs: PairSelection,
-    /// Known cameras of single bursts, before that of `matching`.
-    pub cameras: BurstCameras,
     /// Truth by which matches are judged.
     pub truth: Option<TrueViews>,
 }
@@ -66,7 +62,6 @@ struct FoundInBurst {
 /// A method's features, and its bursts, opened again where their pictures are needed.
 struct Source<'a, F> {
     study: &'a MatchStudy,
-    names: &'a [String],
     method: BurstMethod,
     found: &'a [FoundInBurst],
     open: &'a mut F,
@@ -81,11 +76,6 @@ impl<E: From<Error>, F: FnMut(usize, Shot) -> Result<Burst, E>> PairSource<E> fo
     fn burst(&mut self, index: usize) -> Result<(Burst, DetectorParams), E> {
         let (burst, _) = self.study.input(self.method, index, self.open, self.monitor)?;
         Ok((burst, self.found[index].params.clone()))
-    }
-
-    fn matching(&self, (a, b): (usize, usize), params: &MatchParams) -> MatchParams {
-        let known = |k: usize| self.study.cameras.of_burst(&self.names[k]).known().or(params.camera.as_ref());
-        params.with_cameras(known(a), known(b))
     }
 }
 
@@ -157,7 +147,7 @@ impl MatchStudy {
             let mut counted = vec![None; pairs.len()];
             let mut models = Vec::new();
             let mut on = |pair: MatchedPair<'_>| {
-                let result = pair.aligned(&silent)?;
+                let result = pair.aligned(&self.matching, &silent)?;
                 let index = pairs.binary_search(&pair.indices).expect("it is one of the pairs, which are in order");
                 let model = result.verification.as_ref().and_then(|verified| verified.model.clone());
                 let judge = if method == BurstMethod::Gold { model.as_ref() } else { judges[index].as_ref() };
@@ -167,7 +157,7 @@ impl MatchStudy {
                 models.push((index, model));
                 Ok(())
             };
-            let mut source = Source { study: self, names, method, found: &found, open: &mut open, monitor: &silent };
+            let mut source = Source { study: self, method, found: &found, open: &mut open, monitor: &silent };
             match_pairs(&pairs, &self.matching, &mut source, &mut on, &silent)?;
             if method == BurstMethod::Gold {
                 models.into_iter().for_each(|(index, model)| judges[index] = model);
@@ -265,171 +255,91 @@ pub struct PairCounts {
 
 /// Angles between the bins of a table by angle, degrees.
 const BINS_DEG: [f64; 6] = [6.0, 12.0, 20.0, 30.0, 45.0, 70.0];
-/// Distance between the pixels of a map of depths that are points of the scene.
-const POINT_STEP: usize = 8;
-/// Relative difference of two inverse depths from which one hides the other.
-const HIDDEN: f64 = 0.05;
 
-/// True cameras of the bursts, and the points of the scene that each sees.
+/// True poses of the bursts, and the points of the scene that each sees.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrueViews {
-    /// View of each burst; `None` where no pose is known.
-    views: Vec<Option<TrueView>>,
-    /// Place in the world of each point, and the bursts that see it.
+    camera: Camera,
+    /// The camera of each burst in the world; `None` where it is unknown.
+    poses: Vec<Option<Isometry3<f64>>>,
+    /// Place in the world of each point of a sparse model, and the bursts that see it.
     points: Vec<(Point3<f64>, Vec<usize>)>,
     right_px: f64,
 }
 
-#[derive(Debug, Clone, PartialEq)]
-struct TrueView {
-    camera: Camera,
-    world_from_camera: Isometry3<f64>,
-    inverse_depth: Option<Plane>,
-}
-
 impl TrueViews {
-    /// The views of the bursts of these names, from the poses of `truth`. Points are those of its sparse model, or with
-    /// `inverse_depths` (at each pixel of each burst, in the unit of the poses) those of these maps. Right is a match
-    /// within `right_px` of where the depth puts it, or without depths of its epipolar line.
+    /// The views of the bursts of these names, from poses and points of `truth`. Right is a match within `right_px` of
+    /// true epipolar geometry.
     ///
     /// # Errors
-    /// No pose belongs to a burst, a camera is unknown or its images have another size than a map of depths.
-    pub fn of(
-        names: &[String],
-        cameras: &BurstCameras,
-        truth: &Trajectory,
-        inverse_depths: &[Plane],
-        right_px: f64,
-    ) -> Result<Self> {
-        let burst = |(k, name): (usize, &String)| {
-            let (label, order, world_from_camera) = (name.clone(), k as u32, Isometry3::identity());
-            Pose { label, order, time: None, world_from_camera }
+    /// No pose belongs to a burst.
+    pub fn of(names: &[String], camera: Camera, truth: &Trajectory, right_px: f64) -> Result<Self> {
+        let burst = |(k, name): (usize, &String)| Pose {
+            label: name.clone(),
+            order: k as u32,
+            time: None,
+            world_from_camera: Isometry3::identity(),
         };
         let bursts: Vec<Pose> = names.iter().enumerate().map(burst).collect();
         let pairing = associate(&bursts, &truth.poses, None, PoseStudy::default().max_time_difference)?;
-        let mut views = vec![None; names.len()];
-        for &(k, pose) in &pairing.pairs {
-            let camera = cameras.of_burst(&names[k]).known().cloned().ok_or_else(|| {
-                let problem =
-                    format!("viewing rays need the camera of each burst, and that of {} is unknown", names[k]);
-                Error::param("camera", problem, "give it, or a file camera.toml beside the frames")
-            })?;
-            let inverse_depth = inverse_depths.get(k).cloned();
-            if let Some(size) = inverse_depth.as_ref().map(Plane::size).filter(|s| *s != (camera.width, camera.height))
-            {
-                let problem = format!("{}×{} for a camera of {}×{}", size.0, size.1, camera.width, camera.height);
-                return Err(Error::param("inverse-depth", problem, "give a depth for each pixel of a burst"));
-            }
-            views[k] = Some(TrueView { camera, world_from_camera: truth.poses[pose].world_from_camera, inverse_depth });
+        let (mut poses, mut burst_of) = (vec![None; names.len()], vec![None; truth.poses.len()]);
+        for (k, pose) in pairing.pairs {
+            (poses[k], burst_of[pose]) = (Some(truth.poses[pose].world_from_camera), Some(k));
         }
-        let burst_of: BTreeMap<usize, usize> = pairing.pairs.iter().map(|&(k, pose)| (pose, k)).collect();
-        let points = match &truth.model {
-            Some(model) if inverse_depths.is_empty() => {
-                let seen_by = |p| model.seen_by(p).filter_map(|(image, _)| burst_of.get(&image).copied()).collect();
-                model.points.iter().map(|point| (point.position.into(), seen_by(point))).collect()
-            }
-            _ => {
-                let points = views.iter().flatten().flat_map(TrueView::points);
-                let sees =
-                    |k: &usize, point: &Point3<f64>| views[*k].as_ref().is_some_and(|view: &TrueView| view.sees(point));
-                points.map(|point| (point, (0..views.len()).filter(|k| sees(k, &point)).collect())).collect()
-            }
-        };
-        Ok(Self { views, points, right_px })
+        let points = truth.model.iter().flat_map(|model| {
+            let seen_by = |point| model.seen_by(point).filter_map(|(image, _)| burst_of[image]).collect();
+            model.points.iter().map(move |point| (point.position.into(), seen_by(point))).collect::<Vec<_>>()
+        });
+        Ok(Self { points: points.collect(), camera, poses, right_px })
     }
 
-    fn of_pair(&self, (a, b): (usize, usize)) -> Option<TruePair> {
-        let views = [self.views[a].clone()?, self.views[b].clone()?];
-        let mut either = 0;
-        let mut angles_deg = Vec::new();
+    fn of_pair(&self, (a, b): (usize, usize)) -> Option<TruePair<'_>> {
+        let poses = [self.poses[a]?, self.poses[b]?];
+        let b_from_a = poses[1].inv_mul(&poses[0]);
+        let essential =
+            b_from_a.translation.vector.cross_matrix() * b_from_a.rotation.to_rotation_matrix().into_inner();
+        let geometry = TwoViewModel::Essential { essential, cameras: [self.camera.clone(), self.camera.clone()] };
+        let (mut angles_deg, mut either) = (Vec::new(), 0);
         for (point, seen_by) in &self.points {
             let seen = [a, b].map(|k| seen_by.contains(&k));
             either += usize::from(seen.contains(&true));
             if seen == [true; 2] {
-                let [a, b] =
-                    views.each_ref().map(|view| point - Point3::from(view.world_from_camera.translation.vector));
-                angles_deg.push(a.angle(&b).to_degrees());
+                let [to_a, to_b] = poses.map(|pose| point.coords - pose.translation.vector);
+                angles_deg.push(to_a.angle(&to_b).to_degrees());
             }
         }
         let seen_by_both = (either > 0).then(|| angles_deg.len() as f64 / either as f64);
-        let [of_a, of_b] = views.each_ref().map(|view| view.world_from_camera);
-        let b_from_a = of_b.inv_mul(&of_a);
-        let essential =
-            b_from_a.translation.vector.cross_matrix() * b_from_a.rotation.to_rotation_matrix().into_inner();
-        let geometry = TwoViewModel::Essential { essential, cameras: views.each_ref().map(|view| view.camera.clone()) };
-        Some(TruePair { views, geometry, b_from_a, right_px: self.right_px, angles_deg, seen_by_both })
-    }
-}
-
-impl TrueView {
-    /// The ray through a pixel, z being 1, in the camera.
-    fn ray(&self, pixel: [f64; 2]) -> Vector3<f64> {
-        let [x, y] = self.camera.direction_of(pixel);
-        Vector3::new(x, y, 1.0)
-    }
-
-    /// The pixel at which a point in the camera is seen; `None` behind it.
-    fn pixel(&self, point: Vector3<f64>) -> Option<[f64; 2]> {
-        (point.z > 0.0).then(|| self.camera.pixel_of([point.x / point.z, point.y / point.z]))
-    }
-
-    /// Inverse depth at the pixel nearest to a place, where it is known.
-    fn inverse_depth_at(&self, place: [f64; 2]) -> Option<f64> {
-        let (map, [u, v]) = (self.inverse_depth.as_ref()?, place.map(f64::round));
-        let is_inside = u >= 0.0 && v >= 0.0 && u < map.width() as f64 && v < map.height() as f64;
-        is_inside.then(|| f64::from(map.at(u as usize, v as usize))).filter(|depth| *depth >= 0.0)
-    }
-
-    /// Points of the scene at the pixels of a grid.
-    fn points(&self) -> impl Iterator<Item = Point3<f64>> {
-        let along = |length: usize| (POINT_STEP / 2..length).step_by(POINT_STEP).map(|x| x as f64);
-        let pixels = along(self.camera.height).flat_map(move |v| along(self.camera.width).map(move |u| [u, v]));
-        let known =
-            pixels.filter_map(|pixel| Some((pixel, self.inverse_depth_at(pixel).filter(|depth| *depth > 0.0)?)));
-        known.map(|(pixel, depth)| self.world_from_camera * Point3::from(self.ray(pixel) / depth))
-    }
-
-    fn sees(&self, point: &Point3<f64>) -> bool {
-        let point = self.world_from_camera.inverse_transform_point(point).coords;
-        let depth = self.pixel(point).and_then(|pixel| self.inverse_depth_at(pixel));
-        depth.is_some_and(|depth| (depth * point.z - 1.0).abs() < HIDDEN)
+        Some(TruePair { views: self, geometry, b_from_a, angles_deg, seen_by_both })
     }
 }
 
 /// The truth about a pair.
-struct TruePair {
-    views: [TrueView; 2],
+struct TruePair<'a> {
+    views: &'a TrueViews,
     geometry: TwoViewModel,
     b_from_a: Isometry3<f64>,
-    right_px: f64,
     /// Angle between the two rays of each point that both see; of each right match where no points are known.
     angles_deg: Vec<f64>,
     seen_by_both: Option<f64>,
 }
 
-impl TruePair {
+impl TruePair<'_> {
     /// Number of right inliers, at their aligned places.
     fn right(&mut self, result: &MatchResult, [a, b]: [&BurstSide; 2]) -> usize {
         let Some(verified) = &result.verification else { return 0 };
         let places = result.alignment.as_ref().map_or([&a.places, &b.places], |aligned| aligned.places.each_ref());
         let inliers = result.matches.iter().zip(&verified.inlier).filter(|(_, inlier)| **inlier);
         let inliers = inliers.map(|(m, _)| [places[0][m.a], places[1][m.b]]);
-        let right: Vec<_> = inliers.filter(|&[a, b]| self.error_px(a, b) <= self.right_px).collect();
+        let right: Vec<_> = inliers.filter(|&[a, b]| self.geometry.error_px(a, b) <= self.views.right_px).collect();
         if self.seen_by_both.is_none() {
-            let angle =
-                |[a, b]: &[[f64; 2]; 2]| (self.b_from_a.rotation * self.views[0].ray(*a)).angle(&self.views[1].ray(*b));
-            let angles: Vec<f64> = right.iter().map(|places| angle(places).to_degrees()).collect();
-            self.angles_deg.extend(angles);
+            let ray = |place| {
+                let [x, y] = self.views.camera.direction_of(place);
+                Vector3::new(x, y, 1.0)
+            };
+            let angle = |&[a, b]: &[[f64; 2]; 2]| (self.b_from_a.rotation * ray(a)).angle(&ray(b)).to_degrees();
+            self.angles_deg.extend(right.iter().map(angle).collect::<Vec<_>>());
         }
         right.len()
-    }
-
-    /// Distance of `b` from where the depth at `a` puts it; without depths the pair's distance from epipolar geometry.
-    fn error_px(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
-        let [of_a, of_b] = &self.views;
-        let Some(inverse_depth) = of_a.inverse_depth_at(a) else { return self.geometry.error_px(a, b) };
-        let there = self.b_from_a.rotation * of_a.ray(a) + self.b_from_a.translation.vector * inverse_depth;
-        of_b.pixel(there).map_or(f64::INFINITY, |[u, v]| (u - b[0]).hypot(v - b[1]))
     }
 }
 
@@ -462,28 +372,27 @@ pub struct AngleRow {
 }
 
 impl TruthReport {
-    fn of(right_px: f64, judged: &[Option<TruePair>], rows: &[MatchRow]) -> Self {
-        let median =
-            |pair: &TruePair| Some(quantiles(pair.angles_deg.iter().copied(), [0.5])[0]).filter(|x| !x.is_nan());
-        let of_pair =
-            |pair: &Option<TruePair>| pair.as_ref().map_or((None, None), |pair| (median(pair), pair.seen_by_both));
+    fn of(right_px: f64, judged: &[Option<TruePair<'_>>], rows: &[MatchRow]) -> Self {
+        let of_pair = |pair: &Option<TruePair<'_>>| {
+            let Some(TruePair { angles_deg, seen_by_both, .. }) = pair else { return (None, None) };
+            let [median] = quantiles(angles_deg.iter().copied(), [0.5]);
+            ((!median.is_nan()).then_some(median), *seen_by_both)
+        };
         let pairs: Vec<_> = judged.iter().map(of_pair).collect();
-        let starts = [0.0].into_iter().chain(BINS_DEG);
-        let bins: Vec<(f64, Option<f64>)> = starts.zip(BINS_DEG.map(Some).into_iter().chain([None])).collect();
-        let row = |method: &MatchRow, (from_deg, to_deg): (f64, Option<f64>)| {
+        let row = |method: &MatchRow, bin: usize| {
+            let (from_deg, to_deg) = (bin.checked_sub(1).map_or(0.0, |k| BINS_DEG[k]), BINS_DEG.get(bin).copied());
             let is_in = |angle: f64| angle >= from_deg && to_deg.is_none_or(|to| angle < to);
             let within: Vec<usize> = (0..pairs.len()).filter(|k| pairs[*k].0.is_some_and(is_in)).collect();
-            let sum = |count: &dyn Fn(&PairCounts) -> Option<usize>| -> usize {
-                within.iter().filter_map(|k| count(&method.by_pair[*k])).sum()
-            };
-            let (matches, right) = (sum(&|pair| pair.counts.inliers), sum(&|pair| pair.right));
-            let shares: Vec<f64> = within.iter().filter_map(|k| pairs[*k].1).collect();
+            let counts = || within.iter().map(|k| method.by_pair[*k]);
+            let matches = counts().filter_map(|pair| pair.counts.inliers).sum();
+            let right = counts().filter_map(|pair| pair.right).sum();
+            let seen: Vec<f64> = within.iter().filter_map(|k| pairs[*k].1).collect();
             let share = |of: f64, all: usize| (all > 0).then(|| of / all as f64);
-            let (seen_by_both, precision) = (share(shares.iter().sum(), shares.len()), share(right as f64, matches));
+            let (seen_by_both, precision) = (share(seen.iter().sum(), seen.len()), share(right as f64, matches));
             let (method, pairs) = (method.method, within.len());
             AngleRow { method, from_deg, to_deg, pairs, seen_by_both, matches, right, precision }
         };
-        let all = rows.iter().flat_map(|method| bins.iter().map(move |bin| row(method, *bin)));
+        let all = rows.iter().flat_map(|method| (0..=BINS_DEG.len()).map(move |bin| row(method, bin)));
         let by_angle = all.filter(|row| row.pairs > 0).collect();
         Self { right_px, pairs, by_angle }
     }

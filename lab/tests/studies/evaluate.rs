@@ -1,12 +1,19 @@
 //! The studies that measure the detector: small ones, with numbers that must be plausible.
 
 use crate::prelude::*;
+use burstscope_lab::evaluate::RowAt;
 use burstscope_lab::evaluate::curves::{burst_frames_figure, frames_figure, roc_figure};
 use burstscope_lab::evaluate::pure_noise::NoiseLevel;
 use burstscope_lab::evaluate::{
     BurstFramesStudy, BurstMethod, ChartReport, ChartStudy, NoiseStudy, RowStudy, Searches,
 };
 use burstscope_lab::study::StudyReport;
+use std::ops::RangeInclusive;
+use std::sync::{Arc, Mutex};
+
+fn chart(size: (usize, usize), discs: usize, radius: RangeInclusive<f64>, max_slope: f64) -> ChartParams {
+    ChartParams { width: size.0, height: size.1, discs, radius, max_slope, ..ChartParams::default() }
+}
 
 /// A chart a sixth of the published one, with slopes up to ±2 px/frame.
 fn small_study() -> ChartStudy {
@@ -189,4 +196,175 @@ fn figures_over_the_number_of_frames_are_valid_pictures() {
     let svg = burst_frames_figure(&report).drawing.svg();
     roxmltree::Document::parse(&svg).expect("valid XML");
     assert!(svg.contains("confirmed by all frames") && svg.contains("discs found") && !svg.contains("inliers"));
+}
+
+mod methods {
+    use super::*;
+
+    #[test]
+    fn methods_and_their_names_agree() {
+        for method in BurstMethod::ALL {
+            assert_eq!(method.name().parse(), Ok(method));
+        }
+        let all = || BurstMethod::ALL.into_iter().chain([BurstMethod::Gold]);
+        for method in all() {
+            assert_eq!(serde_json::to_value(method).expect("a word"), method.name());
+            // No two lines look alike, even without colour.
+            let alike = all().filter(|one| one.line().0 == method.line().0 || one.line().1 == method.line().1);
+            assert_eq!(alike.count(), 1, "{method:?}");
+        }
+        assert!("surf".parse::<BurstMethod>().expect_err("unknown").contains("sift-frame"));
+    }
+
+    #[test]
+    fn the_means_are_of_all_frames_and_one_frame_is_one() {
+        let chart = ChartParams { snr: 2.0, ..chart((200, 150), 8, 4.0..=9.0, 0.0) };
+        let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        let noise = |method, frames: Option<&str>| {
+            let frames = frames.map(|f| f.parse().expect("a range"));
+            let detector = DetectorParams { frames, ..DetectorParams::default() };
+            let found = Searches { detector, ..Searches::default() };
+            let found = found.search(method, &burst, &Monitor::default()).expect("searched");
+            f64::from(found.detection.frame_noise)
+        };
+        let one = noise(BurstMethod::SiftFrame, None);
+        // Ten frames have a √10 lower noise, four of them half of it. The merge keeps slightly more of the middle
+        // frame's noise.
+        for (method, tolerance) in [(BurstMethod::SiftMean, 0.05), (BurstMethod::SiftMerge, 0.1)] {
+            assert!((noise(method, None) * 10f64.sqrt() / one - 1.0).abs() < tolerance, "{method:?}");
+            assert!((noise(method, Some("3..7")) * 2.0 / one - 1.0).abs() < tolerance, "{method:?}");
+        }
+    }
+}
+
+mod chart {
+    use super::*;
+
+    fn small(frame_counts: Vec<usize>) -> ChartStudy {
+        ChartStudy {
+            chart: chart((200, 150), 8, 4.0..=9.0, 1.0),
+            snrs: vec![0.8],
+            frame_counts,
+            seeds: 2,
+            methods: vec![BurstMethod::SiftMean, BurstMethod::Buff1d],
+            searches: Searches { slopes_1d: SlopeGrid::line(-1.0..=1.0, 5), ..Searches::default() },
+            ..ChartStudy::default()
+        }
+    }
+
+    #[test]
+    fn a_row_is_what_the_study_of_ratios_says_of_charts_of_so_many_frames() {
+        let heard = Arc::new(Mutex::new(Vec::new()));
+        let sink = heard.clone();
+        let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push(p.fraction));
+        let report = small(vec![6, 2, 6]).run(&monitor).expect("a report");
+        assert_eq!(report.rows.iter().map(|row| row.at).collect::<Vec<_>>(), [2, 6].map(RowAt::Frames));
+        assert_eq!((report.chart.frames, report.snr), (6, Some(0.8)));
+        let ratios = small(Vec::new());
+        let alone = ChartStudy { chart: ChartParams { frames: 6, ..ratios.chart.clone() }, ..ratios };
+        let alone = alone.run(&Monitor::default()).expect("a report");
+        assert_eq!((alone.chart.frames, alone.snr), (6, None));
+        assert_eq!(report.rows[1].methods, alone.rows[0].methods);
+        let json = serde_json::to_value(&report).expect("JSON");
+        assert_eq!((&json["rows"][0]["frames"], &json["rows"][0]["snr"]), (&2.into(), &serde_json::Value::Null));
+        // More frames have less noise.
+        let buff = |row: usize| report.rows[row].methods[1].true_positives.mean;
+        assert!(buff(1) > buff(0), "{} {}", buff(0), buff(1));
+        let heard = heard.lock().expect("not poisoned");
+        assert_eq!(heard.iter().copied().fold(0.0, f32::max), 1.0);
+        assert!(heard.contains(&(2.0 / 32.0)) || heard.contains(&(6.0 / 32.0)), "a step is a frame: {heard:?}");
+    }
+}
+
+mod frames_of_burst {
+    use super::*;
+
+    #[test]
+    fn the_middle_frames_are_judged_by_all_of_them_and_by_the_truth() {
+        let params = ChartParams { frames: 8, snr: 0.3, seed: 3, ..chart((240, 180), 10, 4.0..=9.0, 3.0) };
+        let (burst, truth) = synth_chart(&params, &Monitor::default()).expect("a chart");
+        let slopes = SlopeGrid::line(-3.0..=3.0, 13);
+        let search = DetectorParams { slopes, ..DetectorParams::default() }.into();
+        let study = BurstFramesStudy { search, ..BurstFramesStudy::default() };
+        let report = study.run(&burst, Some(&burst), Some(&truth), &Monitor::default()).expect("a report");
+        let counts: Vec<(usize, usize)> = report.rows.iter().map(|row| (row.frames, row.first_frame)).collect();
+        assert_eq!(counts, [(2, 3), (3, 2), (4, 2), (5, 1), (6, 1), (7, 0), (8, 0)]);
+        let last = report.rows[6];
+        assert_eq!((last.features, last.confirmed, last.unconfirmed), (report.features, report.features, 0));
+        for row in &report.rows {
+            assert_eq!(row.features, row.confirmed + row.unconfirmed);
+            let (found, wrong) = (row.discs_found.expect("known"), row.false_features.expect("a chart"));
+            assert_eq!(row.features, found + wrong);
+            let matches = row.matches.expect("the burst itself");
+            assert_eq!(matches.keypoints_a, matches.keypoints_b);
+            assert_eq!(matches.putative, matches.keypoints_a, "a burst matches itself");
+        }
+        assert!(last.discs_found >= Some(7) && report.rows[0].discs_found < last.discs_found, "{:?}", report.rows);
+        // Seven frames have their middle half a frame before that of all: a disc of 3 px/frame is 1.5 px away.
+        assert!(report.rows[5].features >= 7 && report.rows[5].unconfirmed <= 1, "{:?}", report.rows);
+    }
+
+    #[test]
+    fn discs_are_looked_for_where_they_are_at_mid_burst_of_the_middle_frames() {
+        // Two small fast discs: found only if the half frame is taken into account.
+        let params = ChartParams { snr: f64::INFINITY, ..chart((200, 150), 4, 2.5..=2.6, 7.0) };
+        let (burst, mut truth) = synth_chart(&params, &Monitor::default()).expect("a chart");
+        let slopes = SlopeGrid::line(-7.0..=7.0, 57);
+        let study = BurstFramesStudy {
+            search: DetectorParams { slopes, ..DetectorParams::default() }.into(),
+            frame_counts: vec![9, 10],
+            ..BurstFramesStudy::default()
+        };
+        let found = |truth: &Truth| {
+            let report = study.run(&burst, None, Some(truth), &Monitor::default()).expect("a report");
+            [0, 1].map(|row| report.rows[row].discs_found.expect("known"))
+        };
+        let with = found(&truth);
+        assert_eq!(with[0], with[1]);
+        assert!(with[1] >= 3, "{with:?}");
+        // With other slopes they are searched elsewhere, except for the whole burst, whose mid-burst is the truth's.
+        truth.features.iter_mut().for_each(|disc| disc.slope_v = 20.0);
+        assert_eq!(found(&truth)[1], with[1]);
+        assert!(found(&truth)[0] < with[0]);
+    }
+
+    #[test]
+    fn a_scene_knows_no_false_features_and_nonsense_is_named() {
+        let params = SceneParams { width: 160, height: 120, frames: 4, ..SceneParams::default() };
+        let (burst, truth) = synth_scene(&params, &Monitor::default()).expect("a scene");
+        let study = BurstFramesStudy { frame_counts: vec![4], ..BurstFramesStudy::default() };
+        let report = study.run(&burst, None, Some(&truth), &Monitor::default()).expect("a report");
+        assert_eq!((report.rows.len(), report.rows[0].false_features), (1, None));
+        assert_eq!(report.rows[0].matches, None);
+        let other = Truth { frames: 5, ..truth };
+        let error = study.run(&burst, None, Some(&other), &Monitor::default()).expect_err("nonsense").to_string();
+        assert!(error.contains("truth.json is of 5 frames, but the burst has 4"));
+        let monitor = Monitor::default();
+        monitor.cancel();
+        assert!(study.run(&burst, None, None, &monitor).is_err_and(|error| error.is_cancelled()));
+    }
+}
+
+#[test]
+fn nonsense_in_studies_of_noise_is_named_with_its_remedy() {
+    let good = NoiseStudy::default;
+    let with = |sigma, bits| vec![NoiseLevel::white(sigma, bits)];
+    let cases = [
+        (NoiseStudy { levels: with(0.2, None), ..good() }, "sigma: "),
+        (NoiseStudy { levels: with(f64::NAN, None), ..good() }, "sigma: "),
+        (NoiseStudy { levels: with(0.1, Some(2)), ..good() }, "bits: "),
+        (NoiseStudy { levels: Vec::new(), ..good() }, "sigma: "),
+        (
+            NoiseStudy { levels: vec![NoiseLevel { mean: 1.0, ..NoiseLevel::white(0.02, None) }], ..good() },
+            "case_level: ",
+        ),
+        (NoiseStudy { seeds: Some(0), ..good() }, "seeds: "),
+        (NoiseStudy { width: 3, ..good() }, "width: "),
+        (NoiseStudy { frames: 0, ..good() }, "frames: "),
+        (NoiseStudy { megapixels: f64::NAN, ..good() }, "megapixels: "),
+    ];
+    for (study, start) in cases {
+        let error = study.run(&Monitor::default()).expect_err(start).to_string();
+        assert!(error.starts_with(start), "{error}");
+    }
 }

@@ -32,7 +32,7 @@ impl Request for DatasetRequest {
                 let mut kept = KeptBursts { store: &keeping.store()?, bursts: &bursts, monitor };
                 let pairs = kept.pairs(&pairs)?;
                 let mut on = |matched: MatchedPair<'_>| {
-                    let aligned = matched.aligned(&monitor.silent())?;
+                    let aligned = matched.aligned(&matching, &monitor.silent())?;
                     tell(DatasetEvent::Matched { pair: matched.indices, counts: aligned.counts });
                     Ok(())
                 };

@@ -15,8 +15,6 @@ mod evidence;
 mod in_focus;
 mod layers;
 mod posterior;
-#[cfg(test)]
-mod tests;
 mod windows;
 
 use crate::detector::params::slope_grid::{Slope, SlopeGrid};

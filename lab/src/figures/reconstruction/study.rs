@@ -4,7 +4,6 @@ use super::mapper::{self, How, Matched, Reconstructed, Run};
 use crate::evaluate::{BurstMethod, MatchStudy, Searches, Shot, motion_name};
 use crate::figures::{FigureSize, record::Pieces};
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
-use burstscope_core::dataset::BurstCameras;
 use burstscope_core::matching::{MatchParams, PairSelection};
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::{burst::Burst, error::Result, plane::Plane};
@@ -110,7 +109,6 @@ impl Study {
             searches: self.searches.clone(),
             matching: self.matching.clone(),
             pairs: PairSelection::default(),
-            cameras: BurstCameras::default(),
             truth: None,
         };
         let names: Vec<String> = (0..drawn.bursts.len()).map(Trajectory::name).collect();

@@ -1,8 +1,10 @@
 //! Bursts with exact motions: one for all, an ellipse before a background, stripes, nothing.
 
-use super::*;
-use crate::burst::Positions;
-use crate::detector::memory::on_threads;
+use burstscope_core::burst::Positions;
+use burstscope_core::detector::field::{in_focus, motion_field};
+use burstscope_core::detector::stack::FrameTimes;
+use burstscope_core::detector::{Motion, MotionField, MotionLayer, Slope};
+use burstscope_core::{Cancelled, Monitor, Plane, SlopeGrid};
 use proptest::prelude::*;
 
 const FRAMES: usize = 9;
@@ -194,12 +196,12 @@ fn all_in_focus_is_nearer_to_the_scene_than_any_stack() {
         let (sum, squares, count) = places.map(off).fold((0.0, 0.0, 0.0), |(s, q, n), x| (s + x, q + x * x, n + 1.0));
         (squares / count - (sum / count).powi(2)).sqrt()
     };
-    let in_focus = error(&in_focus(&planes, &times, &field));
+    let by_place = error(&in_focus(&planes, &times, &field));
     for slope in [left, Slope::default(), right] {
         let still =
             MotionField { motions: vec![Motion { slope, covariance: [0.0; 3] }; field.motions.len()], ..field.clone() };
-        let stack = error(&super::in_focus(&planes, &times, &still));
-        assert!(in_focus < 0.8 * stack, "{in_focus} in focus, {stack} at {slope:?}");
+        let stack = error(&in_focus(&planes, &times, &still));
+        assert!(by_place < 0.8 * stack, "{by_place} in focus, {stack} at {slope:?}");
     }
 }
 
@@ -241,7 +243,11 @@ fn a_transposed_burst_has_the_transposed_field() {
 fn threads_change_nothing_and_little_input_has_no_field() {
     let frames = frames(0.1, moving(Slope::new(1.0, 0.0), 5));
     let grid = SlopeGrid::line(-2.0..=2.0, 5);
-    assert_eq!(on_threads(1, || field_of(&frames, &grid)), on_threads(3, || field_of(&frames, &grid)));
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| field_of(&frames, &grid))
+    };
+    assert_eq!(on(1), on(3));
     let monitor = Monitor::default();
     let planes: Vec<&Plane> = frames.iter().collect();
     assert_eq!(motion_field(&planes[..2], &FrameTimes::all(Positions::even(2)), &grid, &monitor), Ok(None), "2 frames");
