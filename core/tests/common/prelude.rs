@@ -12,8 +12,8 @@ pub use burstscope_core::matching::{Geometry, MatchParams};
 pub use burstscope_core::monitor::{Cancelled, Monitor, Progress, Stage};
 pub use burstscope_core::plane::*;
 pub use burstscope_core::synth::{
-    ChartParams, Example, FeatureTruth, LayerTruth, Motion, NoiseCase, RadiusLaw, SceneParams, Truth, TruthKind,
-    Uneven, demo_burst, demo_truth, later_demo_burst, random::Stream, synth_chart, synth_scene,
+    ChartParams, Example, FeatureTruth, LayerTruth, Motion, NoiseCase, NoiseKind, RadiusLaw, SceneParams, Truth,
+    TruthKind, Uneven, demo_burst, demo_truth, later_demo_burst, random::Stream, synth_chart, synth_scene,
 };
 pub use std::fs;
 pub use std::path::{Path, PathBuf};

@@ -96,7 +96,7 @@ fn blocks_that_a_codec_flattened_are_no_evidence_of_low_noise() {
         (NoiseCase::Jpeg(20), 0.2),
     ] {
         for seed in [31, 32] {
-            let burst = case.burst_at(level, (480, 360), 10, 0.02, seed, &quiet()).expect("a burst");
+            let burst = NoiseKind::from(case).burst_at(level, (480, 360), 10, 0.02, seed, &quiet()).expect("a burst");
             let detection = found(&burst, NoiseModelKind::Local);
             println!("{} at {level}, seed {seed}: {}", case.name(), detection.features.len());
             all += detection.features.len();

@@ -192,10 +192,11 @@ pub fn rare(kurtosis: f32, frames: usize, gate: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::monitor::Monitor;
-    use crate::synth::NoiseCase;
+    use crate::synth::{NoiseCase, NoiseKind};
 
     fn found(case: NoiseCase, level: f64) -> Option<Flattened> {
-        let burst = case.burst_at(level, (320, 240), 4, 0.02, 3, &Monitor::default()).expect("not cancelled");
+        let burst = NoiseKind::from(case).burst_at(level, (320, 240), 4, 0.02, 3, &Monitor::default());
+        let burst = burst.expect("not cancelled");
         Flattened::find(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>(), 1.0 / 255.0)
     }
 

@@ -256,6 +256,28 @@ fn names_of_cases_are_read_back_and_others_are_refused() {
 }
 
 #[test]
+fn kinds_are_read_back_and_do_what_both_their_cases_do() {
+    for index in 0..100 {
+        let kind = NoiseKind::drawn(index, 3);
+        assert_eq!((kind.name().parse(), NoiseKind::drawn(index, 3)), (Ok(kind), kind));
+    }
+    let made = |text: &str| {
+        let kind: NoiseKind = text.parse().expect(text);
+        kind.burst_at(0.5, SIZE, 4, 0.02, 3, &quiet()).expect("not cancelled")
+    };
+    // Stripes alone repeat after their period, and are as strong as is asked for.
+    let [strong, usual] =
+        [2, 1].map(|strength| made(&format!("constant+column-stripes:strength={strength}:period=40")));
+    let (strong, usual) = (strong.frames[1].row(7), usual.frames[0].row(9));
+    assert_eq!(strong[..160], strong[40..]);
+    assert!(strong.iter().zip(usual).all(|(a, b)| ((a - 0.5) - 2.0 * (b - 0.5)).abs() < 1e-6));
+    assert_eq!(of_frame(&made("banding+black-frame"), 2, 0..SIZE.0), (0.0, 0.0));
+    for bad in ["white:strength=x", "white+grey", "white:period=1", "white:phase=1", "white:twice"] {
+        assert!(bad.parse::<NoiseKind>().is_err(), "{bad}");
+    }
+}
+
+#[test]
 fn every_case_is_what_it_says() {
     let all = 0..SIZE.0;
     let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.03;
