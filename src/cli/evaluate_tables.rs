@@ -5,7 +5,7 @@ use crate::evaluate::advice::{AdviceReport, AdviceStudy, AdvisedBurst, Statement
 use crate::evaluate::chart::{ChartReport, ChartRow, MethodReport};
 use crate::evaluate::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use crate::evaluate::motion_label;
-use crate::evaluate::pure_noise::{NoiseCount, NoiseLevel, NoiseReport};
+use crate::evaluate::pure_noise::{NoiseCount, NoiseLevel, NoiseReport, NoiseRow};
 use crate::evaluate::statistics::{Errors, Mean};
 use crate::export::{ACCURACY_COLUMNS, BURST_FRAMES_COLUMNS, Cell, METHOD_COLUMNS, NOISE_COLUMNS, Table};
 use crate::inspect::words::counted;
@@ -252,7 +252,10 @@ pub(super) fn noise_text(report: &NoiseReport, drawn: Option<&NoiseReport>) -> S
         let seed = first_seed + (0..*bursts).rev().max_by_key(|burst| in_burst(*burst)).unwrap_or(0) as u64;
         let made = format!("synth noise --case {} --sigma {sigma} --level {mean} --seed {seed}", case.name());
         let size = format!("--width {width} --height {height} --frames {frames} --out noise");
-        format!("\nthe worst of {}; its burst with most of them:\nburstscope {made} {size}\n", drawn.rows.len())
+        let is_refused = |row: &&NoiseRow| row.searches.iter().any(|search| search.refused > 0);
+        let refused = drawn.rows.iter().filter(is_refused).count();
+        let drawn = format!("{}, {refused} of which the gate refuses", counted(drawn.rows.len(), "kind"));
+        format!("\nthe worst of {drawn}; its burst with most of them:\nburstscope {made} {size}\n")
     });
     format!(
         "{} of {frames} frames of {width}×{height} for each row, {megapixels:.1} Mpx of image, seeds from {first_seed}\n\n\

@@ -8,7 +8,7 @@ use super::RowStudy;
 use crate::synth::noise::{quantisation_step, quantised_word};
 use crate::synth::{NoiseCase, NoiseKind, random::Stream};
 use burstscope_core::burst::{Burst, Positions};
-use burstscope_core::detector::{DetectorParams, SlopeGrid, noise::gate_factor};
+use burstscope_core::detector::{DetectorParams, SlopeGrid, noise::gate_factor, params::doc};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::{detect::detect, monitor::Monitor, plane::Plane};
 use serde::Serialize;
@@ -167,6 +167,8 @@ pub struct NoiseCount {
     pub noise_gate_factor: f32,
     /// Number of features, all of them false.
     pub false_features: usize,
+    /// Number of bursts, of kinds that are drawn, in which the strict gate refuses to promise anything.
+    pub refused: usize,
     /// Number of features in each burst, from the first seed on.
     pub of_bursts: Vec<usize>,
     /// Number of features per million pixels of the image.
@@ -239,9 +241,13 @@ impl RowStudy for NoiseStudy {
         // All searches share a burst, so that the columns of a row differ by the search alone.
         let burst = noise_burst(level, (self.width, self.height), self.frames, seed, monitor)?;
         let search = |search: &NoiseSearch| {
-            let detection = detect(&burst, &search.detector, monitor)?;
+            let found = detect(&burst, &search.detector, monitor);
             done(1);
-            Ok((detection.features.len(), f64::from(detection.frame_noise)))
+            match found {
+                // Where a gate says that it can promise nothing, no promise is broken.
+                Err(error) if self.cases.is_some() && error.subject == doc::NOISE_GATE.name => Ok((0, f64::NAN)),
+                found => found.map(|found| (found.features.len(), f64::from(found.frame_noise))),
+            }
         };
         self.searches.iter().map(search).collect()
     }
@@ -258,6 +264,7 @@ impl RowStudy for NoiseStudy {
                 slopes: search.detector.used_slopes().len(),
                 noise_gate_factor: gate_factor(&search.detector),
                 false_features,
+                refused: found.iter().filter(|burst| burst[i].1.is_nan()).count(),
                 of_bursts,
                 per_megapixel: false_features as f64 / megapixels,
                 standard_error: (false_features as f64).sqrt() / megapixels,
