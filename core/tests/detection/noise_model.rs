@@ -24,6 +24,7 @@ fn noise_as_cameras_make_it_gives_next_to_nothing() {
         (NoiseCase::NoisyFrame, 5),
         (NoiseCase::NoisyHalf, 5),
         (NoiseCase::ColumnStripes, 20),
+        (NoiseCase::GrowingStripes, 20),
         (NoiseCase::GainFlicker, 1),
         (NoiseCase::DriftingStripes(3), 20),
         (NoiseCase::Varying(6), 5),

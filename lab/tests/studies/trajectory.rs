@@ -278,3 +278,78 @@ fn known_rotations_turn_the_frames_of_a_shaken_camera_to_those_of_a_still_one() 
     std::fs::remove_file(way.join("lens.toml")).expect("removed");
     assert!(turned("rotations.txt", None).expect_err("no camera").to_string().contains("there is no camera lens.toml"));
 }
+
+mod noisy {
+    use burstscope_core::monitor::{Cancelled, Monitor};
+    use burstscope_core::synth::noise::quantisation_step;
+    use burstscope_core::{Burst, Plane};
+    use burstscope_lab::synth::{FrameLevels, NoisyExposure, NoisyParams};
+
+    /// Three frames of a ramp from 0 to 1, whose standard deviation is 0.29.
+    fn ramp() -> Burst {
+        let frame = || Plane::from_fn(200, 100, |u, _| u as f32 / 199.0);
+        let mut burst = Burst::from_planes("ramp", vec![frame(), frame(), frame()]);
+        burst.frame_names = ["a.jpg", "b.jpg", "c.jpg"].map(str::to_owned).to_vec();
+        burst
+    }
+
+    fn exposure(params: &NoisyParams, burst: &Burst) -> NoisyExposure {
+        let mut levels = FrameLevels::default();
+        levels.add(burst, &Monitor::default()).expect("nobody cancels");
+        params.exposure(&levels).expect("a camera")
+    }
+
+    #[test]
+    fn the_noise_is_what_was_asked_for_and_nothing_is_cut_off() {
+        let burst = ramp();
+        for snr in [0.3, 1.0, 10.0] {
+            let params = NoisyParams { snr, ..NoisyParams::default() };
+            let exposure = exposure(&params, &burst);
+            let noisy = exposure.capture(&burst, 5, 1, &Monitor::default()).expect("not cancelled");
+            // Columns near the middle have approximately the mean level.
+            let offset = |u: usize, v: usize, t: usize| {
+                let clean = exposure.gain * f64::from(burst.frames[t].at(u, v)) + exposure.camera.black_level;
+                f64::from(noisy.frames[t].at(u, v)) - clean
+            };
+            let errors: Vec<f64> = (0..3)
+                .flat_map(|t| (90..110).flat_map(move |u| (0..100).map(move |v| (u, v, t))))
+                .map(|(u, v, t)| offset(u, v, t))
+                .collect();
+            let n = errors.len() as f64;
+            let mean = errors.iter().sum::<f64>() / n;
+            let sigma = (errors.iter().map(|x| x * x).sum::<f64>() / n).sqrt();
+            let wanted = exposure.gain * (1.0f64 / 12.0).sqrt() / snr;
+            assert!((sigma / wanted - 1.0).abs() < 0.04, "snr {snr}: {sigma} for {wanted}");
+            assert!(mean.abs() < 4.0 * sigma / n.sqrt(), "snr {snr}: mean error {mean}");
+            let all = || noisy.frames.iter().flat_map(|f| f.data());
+            assert!(all().all(|&x| x > 0.0 && x < 1.0), "snr {snr}: noise is cut off");
+            assert_eq!(noisy.quantisation_step, quantisation_step(12) as f32);
+        }
+    }
+
+    #[test]
+    fn no_noise_is_a_copy_and_frames_are_independent() {
+        let burst = ramp();
+        let clean = exposure(&NoisyParams { snr: f64::INFINITY, ..NoisyParams::default() }, &burst);
+        let copy = clean.capture(&burst, 1, 1, &Monitor::default()).expect("not cancelled");
+        let lifted = f64::from(burst.frames[0].at(120, 3)) * clean.gain + clean.camera.black_level;
+        assert!((f64::from(copy.frames[0].at(120, 3)) - lifted).abs() < 1e-6);
+        let noisy = exposure(&NoisyParams::default(), &burst);
+        let at = |first| noisy.capture(&burst, 1, first, &Monitor::default()).expect("not cancelled");
+        let (from_1, from_2) = (at(1), at(2));
+        assert!(from_1.frames[0].data() != from_1.frames[1].data());
+        assert_eq!(from_1.frames[1].data(), from_2.frames[0].data());
+    }
+
+    #[test]
+    fn frames_without_contrast_have_no_camera_and_cancelling_ends_it() {
+        let mut levels = FrameLevels::default();
+        let monitor = Monitor::default();
+        let grey = Burst::from_planes("grey", vec![Plane::from_fn(8, 8, |_, _| 0.5)]);
+        levels.add(&grey, &monitor).expect("nobody cancels");
+        let error = NoisyParams::default().exposure(&levels).expect_err("no contrast").to_string();
+        assert!(error.contains("alike"), "{error}");
+        monitor.cancel();
+        assert_eq!(FrameLevels::default().add(&grey, &monitor), Err(Cancelled));
+    }
+}

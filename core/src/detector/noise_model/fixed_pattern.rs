@@ -8,7 +8,7 @@
 use super::changing_lines::{ChangingLines, Extent, offsets};
 use super::contrast::Contrast;
 use super::high_pass::{FREE_VALUES, HighPass, around, quiet_variance};
-use super::reading::{BoxPyramid, Lines, REACH, Reading};
+use super::reading::{BoxPyramid, Lines, REACH, Reading, less_local_mean};
 use crate::plane::Plane;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -71,13 +71,12 @@ impl FixedPattern {
 
     pub(super) fn remove_from(&self, frame: &mut Plane) {
         mask(frame, &self.hot_pixels);
-        let rows = self.rows.as_ref().map(|rows| &rows.offsets);
-        for v in 0..frame.height() {
-            let of_row = rows.map_or(0.0, |rows| rows[v]);
-            let row = frame.row_mut(v);
-            match &self.columns {
-                Some(columns) => row.iter_mut().zip(&columns.offsets).for_each(|(x, offset)| *x -= offset + of_row),
-                None => row.iter_mut().for_each(|x| *x -= of_row),
+        let (width, height) = frame.size();
+        let along = |x: usize, length: usize| (x as f32 + 0.5) / length as f32 - 0.5;
+        let of = |lines: &Option<Stripes>, line: usize, along| lines.as_ref().map_or(0.0, |s| s.at(line, along));
+        for v in 0..height {
+            for (u, x) in frame.row_mut(v).iter_mut().enumerate() {
+                *x -= of(&self.columns, u, along(v, height)) + of(&self.rows, v, along(u, width));
             }
         }
     }
@@ -289,9 +288,12 @@ pub fn mask_struck(frames: &mut [Arc<Plane>], variance: f32, reach: usize) -> us
 /// Offsets of columns or rows, as far as they change within 16 of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stripes {
-    /// Offset of each column or row, fraction of full scale.
+    /// Offset of each column or row in its middle, fraction of full scale.
     pub offsets: Vec<f32>,
-    /// Standard deviation of the offsets, as far as both halves of the burst share them.
+    /// Growth of each offset from the first end of the line to the last; empty where there is none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub growths: Vec<f32>,
+    /// Standard deviation of the offsets, at the ends of the lines, as far as both halves of the burst share them.
     pub deviation: f32,
 }
 
@@ -299,20 +301,38 @@ const STRIPES: f32 = 6.0;
 
 impl Stripes {
     /// Stripes that both halves of a burst share; `None` if there are none, or they are smooth as a scene is.
-    pub(super) fn find(halves: &[Vec<Vec<f32>>; 2]) -> Option<Self> {
-        let [first, second] = halves.each_ref().map(|bands| offsets(bands, Extent::Sharp));
-        let n = first.len() as f32;
-        let product = |shift: usize| first.iter().zip(&second[shift..]).map(|(a, b)| a * b).sum::<f32>() / n;
-        let power = |x: &[f32]| x.iter().map(|x| x * x).sum::<f32>() / n;
-        let common = product(0);
-        let error = (power(&first) * power(&second) / n).sqrt();
-        // A scene is correlated from line to line, offsets of a sensor hardly.
-        if common <= STRIPES * error || product(1) > 0.4 * common || product(2) > 0.4 * common {
-            return None;
-        }
-        let both: Vec<f32> = first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b)).collect();
-        Some(Self { offsets: both, deviation: common.sqrt() })
+    pub(super) fn find(halves: &[Lines; 2]) -> Option<Self> {
+        let (offsets, common) = shared(halves.each_ref().map(|bands| offsets(bands, Extent::Sharp)))?;
+        let (growths, grown) = shared(halves.each_ref().map(growths)).unwrap_or_default();
+        Some(Self { offsets, growths, deviation: (common + 0.25 * grown).sqrt() })
     }
+
+    /// Offset of a line at a part of its length from its middle, −0.5 … 0.5.
+    fn at(&self, line: usize, along: f32) -> f32 {
+        self.offsets[line] + self.growths.get(line).map_or(0.0, |growth| along * growth)
+    }
+}
+
+/// Mean of what was measured of the lines in two halves of the burst, and the variance that the halves share.
+fn shared([first, second]: [Vec<f32>; 2]) -> Option<(Vec<f32>, f32)> {
+    let n = first.len() as f32;
+    let product = |shift: usize| first.iter().zip(&second[shift..]).map(|(a, b)| a * b).sum::<f32>() / n;
+    let power = |x: &[f32]| x.iter().map(|x| x * x).sum::<f32>() / n;
+    let common = product(0);
+    let error = (power(&first) * power(&second) / n).sqrt();
+    // A scene is correlated from line to line, offsets of a sensor hardly.
+    let are_sharp = common > STRIPES * error && product(1) <= 0.4 * common && product(2) <= 0.4 * common;
+    are_sharp.then(|| (first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b)).collect(), common))
+}
+
+/// Growth of each line's offset from end to end, the straight line through its bands.
+fn growths(bands: &Lines) -> Vec<f32> {
+    let (count, mut sums) = (bands.len() as f32, vec![0.0; bands[0].len()]);
+    for (band, values) in bands.iter().enumerate() {
+        let weight = 12.0 * (band as f32 - 0.5 * (count - 1.0)) / (count * count - 1.0);
+        sums.iter_mut().zip(less_local_mean(values)).for_each(|(sum, x)| *sum += weight * x);
+    }
+    sums
 }
 
 #[cfg(test)]
@@ -397,8 +417,16 @@ mod tests {
 
     #[test]
     fn columns_and_rows_are_taken_off() {
-        let upright = case(NoiseCase::ColumnStripes);
+        let [upright, growing] = [NoiseCase::ColumnStripes, NoiseCase::GrowingStripes].map(case);
         let lying: Vec<Plane> = upright.iter().map(turned).collect();
+        let lying_growing: Vec<Plane> = growing.iter().map(turned).collect();
+        for (frames, is_upright) in [(growing, true), (lying_growing, false)] {
+            let mut clean = frames[0].clone();
+            let pattern = find(&frames, 0.02);
+            pattern.remove_from(&mut clean);
+            assert_eq!((pattern.columns.is_some(), pattern.rows.is_some()), (is_upright, !is_upright));
+            assert!(deviation(&frames[0]) > 0.0225 && deviation(&clean) < 0.0208, "{}", deviation(&clean));
+        }
         for (frames, is_upright) in [(upright, true), (lying, false)] {
             let pattern = find(&frames, 0.02);
             assert_eq!((pattern.columns.is_some(), pattern.rows.is_some()), (is_upright, !is_upright));
