@@ -14,7 +14,6 @@ use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
 use crate::evaluate::{AccuracyStudy, NoiseStudy, RowStudy};
 use crate::synth::{NoiseCase, NoiseKind};
 use clap::Args;
-use serde::Serialize;
 
 /// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
 #[derive(Debug, Args)]

@@ -145,15 +145,15 @@ fn the_tables_of_studies_are_of_every_kind_and_have_their_numbers() {
     // Kinds that are drawn: the worst are measured again, and the worst of them is made by the line that is told.
     let drawn = ["evaluate", "noise", "--cases", "3", "--megapixels", "0.01", "--method", "sift", "--width", "100"];
     let drawn = [&drawn[..], &["--height", "100"]].concat();
-    let report = json(home.path(), &[&drawn[..], &["--json"]].concat());
+    let report = home.run_json(&[&drawn[..], &["--json"]].concat());
     assert_eq!(
         ["/rows", "/drawn/rows"].map(|rows| report.pointer(rows).map(|r| r.as_array().map(Vec::len))),
         [Some(Some(3)); 2]
     );
-    let said = run_well(home.path(), &drawn);
+    let said = home.run_well(&drawn);
     let line = said.lines().find_map(|line| line.strip_prefix("burstscope ")).expect("a line that makes it");
-    run_well(home.path(), &line.split(' ').collect::<Vec<_>>());
-    assert!(names(&home.path().join("noise")).contains(&"frame_009.png".to_owned()));
+    home.run_well(line);
+    assert!(names(&home.join("noise")).contains(&"frame_009.png".to_owned()));
 }
 
 #[test]
@@ -170,8 +170,8 @@ fn the_tables_of_matches_and_poses_are_of_every_kind_and_have_their_numbers() {
     // The true poses come with the way; three cameras near one another have small angles.
     let truth = ["--by", "angle", "--truth", "way/poses.txt", "--camera", "way/lens.toml"];
     let matches = [&matches[..], &truth].concat();
-    let (rows, latex) = written(home.path(), &matches, "--table");
-    let report = json(home.path(), &[&matches[..], &["--json"]].concat());
+    let (rows, latex) = written(&home, &matches, "--table");
+    let report = home.run_json(&[&matches[..], &["--json"]].concat());
     for name in ["matches", "right"] {
         let expected = numbers(&report["truth"]["by_angle"], |row| &row[name]);
         assert_eq!(column(&rows, name), expected, "{name}");

@@ -89,13 +89,12 @@ fn wrong_use_says_what_would_be_right() {
 
 #[test]
 fn matches_are_judged_by_true_poses() {
-    let home = tempfile::tempdir().expect("a folder");
-    run_well(home.path(), &[&SMALL[..], &["--snr", "5"]].concat());
+    let home = folder();
+    home.run_well(&[&SMALL.words()[..], &["--snr", "5"]].concat());
     let study = ["evaluate", "matches", "way/bursts", "--methods", "buff-1d", "--slopes-u", "-2:2:5"];
     let truth = ["--by", "angle", "--truth", "way/poses.txt"];
     let camera = ["--camera", "way/lens.toml"];
-    let report = run_well(home.path(), &[&study[..], &truth, &camera, &["--json"]].concat());
-    let report: Value = serde_json::from_str(&report).expect("JSON");
+    let report = home.run_json(&[&study[..], &truth, &camera, &["--json"]].concat());
     let rows = report["truth"]["by_angle"].as_array().expect("bins");
     let sum = |name: &str| rows.iter().filter_map(|row| row[name].as_u64()).sum::<u64>();
     assert_eq!(sum("pairs"), 3);
@@ -103,16 +102,15 @@ fn matches_are_judged_by_true_poses() {
     assert!(sum("right") as f64 > 0.8 * sum("matches") as f64, "{rows:?}");
     assert!(rows.iter().all(|row| row["seen_by_both"].is_null()), "{rows:?}");
     // Poses that are mixed up make the same matches wrong.
-    let poses = fs::read_to_string(home.path().join("way/poses.txt")).expect("a file");
+    let poses = home.text("way/poses.txt");
     let turned = |line: &str| {
         line.split(' ').enumerate().map(|(k, word)| if k == 2 { "9" } else { word }).collect::<Vec<_>>().join(" ")
     };
     let mixed: Vec<String> =
         poses.lines().enumerate().map(|(k, line)| if k % 2 == 1 { turned(line) } else { line.into() }).collect();
-    fs::write(home.path().join("mixed.txt"), mixed.join("\n")).expect("written");
+    home.write("mixed.txt", mixed.join("\n"));
     let truth = ["--by", "angle", "--truth", "mixed.txt"];
-    let mixed = run_well(home.path(), &[&study[..], &truth, &camera, &["--json"]].concat());
-    let mixed: Value = serde_json::from_str(&mixed).expect("JSON");
+    let mixed = home.run_json(&[&study[..], &truth, &camera, &["--json"]].concat());
     let right = |report: &Value| {
         let pairs = report["methods"][0]["by_pair"].as_array().expect("pairs");
         pairs.iter().filter_map(|pair| pair["right"].as_u64()).sum::<u64>()
@@ -121,8 +119,7 @@ fn matches_are_judged_by_true_poses() {
     for (more, words) in
         [(&["--by", "angle"][..], "--truth"), (&["--by", "angle", "--truth", "way/poses.txt"], "camera: ")]
     {
-        let error = run_badly(home.path(), &[&study[..], more].concat(), 2);
-        assert!(error.contains(words), "{error}");
+        says(home.run_badly(&[&study[..], more].concat(), 2), &[words]);
     }
 }
 

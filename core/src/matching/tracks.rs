@@ -92,8 +92,11 @@ impl Tracks {
 mod tests {
     use super::*;
 
-    /// Matches of pairs of images with eight places each, feature by feature.
-    fn tracks(pairs: &[((usize, usize), &[[u32; 2]])]) -> Tracks {
+    /// Two images and their matches, feature by feature.
+    type Matched = ((usize, usize), &'static [[u32; 2]]);
+
+    /// Matches of pairs of images with eight places each.
+    fn tracks(pairs: &[Matched]) -> Tracks {
         let inlier = |&[a, b]: &[u32; 2]| Inlier { a, b, rank: 0.1 * a as f32 };
         let pairs: Vec<((usize, usize), Vec<Inlier>)> =
             pairs.iter().map(|(images, of)| (*images, of.iter().map(inlier).collect())).collect();
@@ -125,8 +128,7 @@ mod tests {
 
     #[test]
     fn ways_that_contradict_one_another_or_a_match_imply_nothing() {
-        let both: [((usize, usize), &[[u32; 2]]); 4] =
-            [((0, 2), &[[1, 1]]), ((1, 2), &[[1, 1]]), ((0, 3), &[[1, 1]]), ((1, 3), &[[1, 1]])];
+        let both: [Matched; 4] = [((0, 2), &[[1, 1]]), ((1, 2), &[[1, 1]]), ((0, 3), &[[1, 1]]), ((1, 3), &[[1, 1]])];
         let matched = tracks(&[&both[..], &[((0, 1), &[[1, 4]])]].concat());
         assert!(implied(&matched, (0, 1)).is_empty(), "place 1 has a match of its own");
         // Two ways lead to place 5 too: one of image 4, which others imply.

@@ -213,6 +213,6 @@ mod tests {
             }
         }
         assert!(largest[0] < 0.02 && largest[1] < 0.06, "{largest:?}");
-        assert_eq!([mask.spans(25), mask.spans(40)], [&[18..43][..], &[]]);
+        assert_eq!(mask.spans(25).iter().chain(mask.spans(40)).collect::<Vec<_>>(), [&(18..43)]);
     }
 }

@@ -395,7 +395,7 @@ impl std::str::FromStr for NoiseKind {
             match number {
                 Some(("strength", x)) if (0.0..=100.0).contains(&x) => kind.strength = x,
                 Some(("period", x)) if (2.0..=9999.0).contains(&x) && x.fract() == 0.0 => {
-                    kind.period_px = Some(x as u16)
+                    kind.period_px = Some(x as u16);
                 }
                 Some(("phase", x)) if (0.0..1.0).contains(&x) => kind.phase = x,
                 _ => {

@@ -158,9 +158,12 @@ pub fn paint(painter: &Painter, texture: TextureId, rect: Rect) {
     painter.image(texture, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
 }
 
-/// Textures of values, by the names under which these are drawn: what each was made of, and the pass of its last drawing.
+/// Textures of values, by the names under which these are drawn.
 #[derive(Clone, Default)]
-struct Textures(Arc<Mutex<BTreeMap<String, (PlaneKey, TextureHandle, u64)>>>);
+struct Textures(Arc<Mutex<BTreeMap<String, Drawn>>>);
+
+/// What a texture was made of, and the pass of its last drawing.
+type Drawn = (PlaneKey, TextureHandle, u64);
 
 /// Origin of values, the square of it that they show, and how they are shown, in the dark theme or in the light one.
 type PlaneKey = (Itself, [f32; 4], Display, bool);
@@ -185,7 +188,7 @@ pub fn draw_plane(
     textures.retain(|_, (.., last)| *last + KEPT_PASSES > pass);
     let dark = ui.visuals().dark_mode;
     let values = values.map(|(of, square, plane)| ((of, square, display, dark), plane));
-    let is_right = |(key, _, last): &(PlaneKey, TextureHandle, u64)| match &values {
+    let is_right = |(key, _, last): &Drawn| match &values {
         Some((wanted, _)) => key == wanted,
         None => *last + 1 >= pass,
     };

@@ -298,9 +298,9 @@ fn a_part_is_counted_in_the_order_of_the_whole() {
 fn an_order_that_contradicts_names_or_headers_is_told() {
     let plain = OpenOptions::default();
     let told = |home: &Folder, option: &str| {
-        let described = info(&home, &plain).expect("described");
+        let described = info(home, &plain).expect("described");
         assert_eq!((described.interval_s, described.positions.len()), (None, 0), "{described:?}");
-        for notes in [described.taken, open_with(&home, &plain).expect("a burst").taken] {
+        for notes in [described.taken, open_with(home, &plain).expect("a burst").taken] {
             assert!(
                 notes.iter().any(|note| note.contains("the order of the frames is not that") && note.contains(option)),
                 "{notes:?}"
