@@ -85,11 +85,9 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
 }
 
 fn parse_drawn(text: &str) -> Result<FigureAmount, String> {
-    let bad = || format!("'{text}' is no number of matches; give 'all' or a whole number from 1 on");
-    match text {
-        "all" => Ok(FigureAmount::All),
-        _ => text.parse().ok().filter(|count| *count > 0).map(FigureAmount::Strongest).ok_or_else(bad),
-    }
+    let strongest = || text.parse().ok().filter(|count| *count > 0).map(FigureAmount::Strongest);
+    let amount = if text == "all" { Some(FigureAmount::All) } else { strongest() };
+    amount.ok_or_else(|| format!("'{text}' is no number of matches; give 'all' or a whole number from 1 on"))
 }
 
 fn parse_width(text: &str) -> Result<f32, String> {
@@ -99,12 +97,9 @@ fn parse_width(text: &str) -> Result<f32, String> {
 
 fn summary(counts: &MatchCounts, matching: &MatchParams, why_none: &str) -> String {
     let MatchCounts { keypoints_a, keypoints_b, putative, inliers, .. } = *counts;
-    let inliers = inliers.map_or_else(
-        || "not verified".to_owned(),
-        |inliers| format!("{inliers} ({}{why_none})", matching.geometry.word()),
-    );
-    let number = |x: f64| format!("{x:.3}");
-    let (score, ratio) = (or_dash(counts.match_score(), number), or_dash(counts.inlier_ratio(), number));
+    let verified = |inliers: usize| format!("{inliers} ({}{why_none})", matching.geometry.word());
+    let inliers = inliers.map_or_else(|| "not verified".to_owned(), verified);
+    let [score, ratio] = [counts.match_score(), counts.inlier_ratio()].map(|x| or_dash(x, |x: f64| format!("{x:.3}")));
     format!(
         "matches\n  keypoints    {keypoints_a} and {keypoints_b}\n  putative     {putative}\n  inliers      {inliers}\n  \
          match ratio  {:.3}\n  match score  {score}\n  inlier ratio {ratio}\n",

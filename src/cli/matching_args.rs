@@ -61,8 +61,7 @@ impl FromArgMatches for MatchingArgs {
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
+        Self::from_arg_matches(matches).map(|args| *self = args)
     }
 }
 

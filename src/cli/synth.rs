@@ -28,20 +28,19 @@ pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
 
 /// Writes noisy copies of real frames: a first pass over the bursts measures their levels, a second one writes.
 fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
-    let params = args.params;
     let console = Console::new(&args.output)?;
     let inputs = resolve(&args.inputs, &args.calibration);
     let options = open_options(&inputs, &args.calibration)?;
     // Before the pass over all frames, which takes long.
     OutputRules::new(opened(&inputs, &options, &[]), Overwrite::Refuse).check_folder(&args.out)?;
-    let exposure = params.exposure(&levels_of(&inputs, &options, &console)?)?;
+    let exposure = args.params.exposure(&levels_of(&inputs, &options, &console)?)?;
     let names: Vec<String> = inputs.iter().map(|i| safe_file_name(&i.name)).collect();
     let open = |k: usize| -> Result<Burst, Failure> { inputs[k].open(&options, &console.monitor.silent()) };
-    let truth = write_noisy(&args.out, &names, names.len() > 1, &params, &exposure, open, &console.monitor)?;
+    let truth = write_noisy(&args.out, &names, names.len() > 1, &args.params, &exposure, open, &console.monitor)?;
     let at_mean = if truth.noise.is_some() { " at the mean" } else { "" };
     let (frames, bursts) = (counted(truth.frames.len(), "frame"), counted(names.len(), "burst"));
-    let (gain, noise) = (truth.gain, noise_words(truth.noise));
-    let made = format!("{frames} of {bursts}, values times {gain:.4}, {noise}{at_mean}");
+    let noise = noise_words(truth.noise);
+    let made = format!("{frames} of {bursts}, values times {:.4}, {noise}{at_mean}", truth.gain);
     say_made(&args.out, &made, &truth, &console)
 }
 
@@ -57,11 +56,7 @@ pub(super) fn levels_of(inputs: &[Input], options: &OpenOptions, console: &Conso
 
 fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
-    let light = match (args.snr, args.electrons) {
-        (Some(snr), _) => Light::Snr(snr),
-        (None, Some(electrons)) => Light::Electrons(electrons),
-        (None, None) => Light::default(),
-    };
+    let light = args.snr.map(Light::Snr).or(args.electrons.map(Light::Electrons)).unwrap_or_default();
     let trajectory = Trajectory::new(&TrajectoryParams { light, ..args.params.clone() }, &console.monitor)?;
     write_trajectory(&args.out, &trajectory, &console.monitor)?;
     let truth = trajectory.truth();
@@ -90,21 +85,18 @@ fn one_burst(
 
 fn noise(BurstArgs { out, params, output }: &BurstArgs<NoiseArgs>) -> Result<(), Failure> {
     let console = Console::new(output)?;
-    let ([width, height, frames], seed) =
-        ([params.width, params.height, params.frames].map(|n| n as usize), params.seed);
-    let monitor = &console.monitor;
-    let burst = params.case.burst_at(params.level, (width, height), frames, params.sigma, seed, monitor)?;
+    let [width, height, frames] = [params.width, params.height, params.frames].map(|n| n as usize);
+    let NoiseArgs { level, sigma, seed, .. } = *params;
+    let burst = params.case.burst_at(level, (width, height), frames, sigma, seed, &console.monitor)?;
     let truth = Truth { width, height, frames, t0: 0.5 * (frames as f64 - 1.0), seed, ..Truth::default() };
-    write_burst(out, &burst, &truth, monitor)?;
+    write_burst(out, &burst, &truth, &console.monitor)?;
     let made = format!("{} of {width}×{height}, noise alone: {}", counted(frames, "frame"), params.case.name());
     say_made(out, &made, &truth, &console)
 }
 
 fn noise_words(noise: Option<NoiseTruth>) -> String {
-    noise.map_or_else(
-        || "no noise".to_owned(),
-        |noise| format!("noise {:.5} of full scale in a frame", noise.sigma_background),
-    )
+    let words = |noise: NoiseTruth| format!("noise {:.5} of full scale in a frame", noise.sigma_background);
+    noise.map_or_else(|| "no noise".to_owned(), words)
 }
 
 fn say_made(out: &Path, made: &str, truth: &impl Serialize, console: &Console) -> Result<(), Failure> {

@@ -64,7 +64,7 @@ fn accuracy_and_noise_give_tables_and_json() {
     let table = home.run_well(&[&noise[..], &["--bits", "none,12", "--noise-gate", "3"]].concat());
     assert!(table.contains("BuFF 2D, 49 slopes") && table.contains("3.00 σ"), "{table}");
     let report = home.run_json(&[&noise[..], &["--method", "sift", "--json"]].concat());
-    assert_eq!((report["bursts"].as_u64(), report["rows"].as_array().map(Vec::len)), (Some(2), Some(37)));
+    assert_eq!((report["bursts"].as_u64(), report["rows"].as_array().map(Vec::len)), (Some(2), Some(38)));
     assert_eq!(report["rows"][0]["searches"][0]["slopes"], 1);
 }
 

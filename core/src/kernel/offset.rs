@@ -46,6 +46,10 @@ impl FrameOffset {
         let Some(mask) = frame.mask() else { return 1.0 };
         let (x, y) = ((u as i64 + self.whole_u) as f32 + self.part_u, (v as i64 + self.whole_v) as f32 + self.part_v);
         let (steps, size) = ((radius.ceil() as i32).min(DISC_STEPS), frame.size());
+        let around = |at: f32, n: usize| n.min((at - radius) as usize)..n.min((at + radius) as usize + 2);
+        if !mask.touches(&around(x, size.0), around(y, size.1)) {
+            return 1.0;
+        }
         let (mut sum, mut count) = (0.0, 0.0);
         for (i, j) in (-steps..=steps).flat_map(|j| (-steps..=steps).map(move |i| (i, j))) {
             // A large disc is sampled, not summed.

@@ -303,6 +303,8 @@ impl Path {
     }
 }
 
+/// Smallest overlap of two frames, 0 … 1, at which their correlation shows whether the shifts between them add up.
+const MIN_SEEN: f32 = 0.2;
 /// Ratio of the nats of a uniform motion to those of a path from which the path is none; noise makes 4.5 nats besides.
 const REFUTED: f64 = 1.1;
 
@@ -323,26 +325,34 @@ pub(super) fn path(pairs: &CrossSpectra, lags: &Lags, fourier: &Fourier) -> Opti
         way.push([x + u, y + v]);
     }
     // Frames farther apart measure the sums of shifts independently. Of several motions now one and now another is the
-    // strongest, and in the dark now and then a peak of noise: then one shift, kept up, explains those frames better.
+    // strongest, and in the dark now and then a peak of noise: then the shifts do not add up to those two frames apart,
+    // or one shift, kept up, explains the frames farther apart better.
     let farther = fourier.correlations(farther, &mut fourier.scratch(0));
+    let pairs = || farther.iter().zip(of_farther).zip(&lags.near[planes.len()..]);
+    let shift = |way: &[[f64; 2]], (s, t): (usize, usize)| [0, 1].map(|axis| way[t][axis] - way[s][axis]);
+    let adds_up = |((plane, variance), ends): ((&Vec<f32>, &f64), &(usize, usize))| {
+        let (plain, shift) = (unbiased(plane, &fourier.overlap), shift(&way, *ends));
+        overlap_at(&fourier.overlap, shift) < MIN_SEEN
+            || peak_of(plane, &fourier.overlap, *variance)
+                .is_none_or(|(at, _)| cubic(&plain, shift) >= SAME_SCENE * cubic(&plain, at))
+    };
     let nats = |way: &[[f64; 2]]| {
         let (mut power, mut noise) = (0.0, 0.0);
-        for ((plane, variance), (s, t)) in farther.iter().zip(of_farther).zip(&lags.near[planes.len()..]) {
-            let shift = [0, 1].map(|axis| way[*t][axis] - way[*s][axis]);
-            let overlap = f64::from(overlap_at(&fourier.overlap, shift));
-            power += overlap * cubic(plane, shift);
+        for ((plane, variance), ends) in pairs() {
+            let at = shift(way, *ends);
+            let overlap = f64::from(overlap_at(&fourier.overlap, at));
+            power += overlap * cubic(plane, at);
             noise += overlap * overlap * variance;
         }
         0.5 * power.max(0.0).powi(2) / noise.max(f64::MIN_POSITIVE)
     };
-    let shifts = way.windows(2).map(|ends| [0, 1].map(|axis| ends[1][axis] - ends[0][axis]));
-    let mut kept_up = shifts.map(|shift| (0..way.len()).map(|t| shift.map(|x| x * t as f64)).collect::<Vec<_>>());
-    if kept_up.any(|other| nats(&other) > REFUTED * nats(&way) + 4.5) {
+    let kept_up = |shift: [f64; 2]| (0..way.len()).map(|t| shift.map(|x| x * t as f64)).collect::<Vec<_>>();
+    let refutes = |k: usize| nats(&kept_up(shift(&way, (k - 1, k)))) > REFUTED * nats(&way) + 4.5;
+    if !pairs().take(planes.len() - 1).all(adds_up) || (1..way.len()).any(refutes) {
         return None;
     }
     // Each shift has an error of about a pixel divided by its significance; the errors add up along the path.
-    let noise = SHIFT_ERROR / min * (planes.len() as f64).sqrt();
-    Some(Path { way, noise, pixel: 1.0 })
+    Some(Path { way, noise: SHIFT_ERROR / min * (planes.len() as f64).sqrt(), pixel: 1.0 })
 }
 
 /// Least ratio of two correlations of the same scene.
