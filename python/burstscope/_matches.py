@@ -165,7 +165,13 @@ class Matches(Made):
         return bytes(picture)
 
     def plot(
-        self, ax: Axes | None = None, *, which: NDArray[np.bool_] | None = None, as_found: bool = False, **how: Any
+        self,
+        ax: Axes | None = None,
+        *,
+        which: NDArray[np.bool_] | None = None,
+        drawn: int | None = 100,
+        as_found: bool = False,
+        **how: Any,
     ) -> Axes:
         """Draws both bursts side by side with lines between the places of matches, on axes of matplotlib.
 
@@ -176,6 +182,8 @@ class Matches(Made):
         which : bool array [m], optional
             The matches that are drawn: by default the inliers, or all where there is no geometry.
             ``~matches.inliers`` are the outliers, ``matches.distance < 80`` those that are most alike.
+        drawn : int or None, default 100
+            How many of these are drawn, the most alike first, as ``burstscope match --drawn`` says; ``None`` for all.
         as_found : bool, default False
             Whether lines end where features were found, `xy_a` and `xy_b`, and not at the places after the alignment,
             `aligned_a` and `aligned_b`, which `inliers` and `geometry` are about.
@@ -194,6 +202,9 @@ class Matches(Made):
         from burstscope import _plot
 
         chosen = self._chosen(self.inliers if which is None else which)
+        if drawn is not None:
+            best = np.argsort(np.where(chosen, self.distance, np.inf), kind="stable")[: max(drawn, 0)]
+            chosen = chosen & np.isin(np.arange(len(self)), best)
         return _plot.matches(self, ax, chosen, as_found, how)
 
     def to_pandas(self) -> pandas.DataFrame:

@@ -63,7 +63,7 @@ def test_lines_are_drawn_between_the_places_that_the_geometry_is_about(street: t
     assert inliers is not None and np.abs(matched.aligned_b - matched.xy_b)[inliers].max() > 0.1
     right = np.array([street[0].burst.frames.shape[2] + 8, 0], np.float32)
     for as_found, a, b in ((False, matched.aligned_a, matched.aligned_b), (True, matched.xy_a, matched.xy_b)):
-        lines: Any = matched.plot(as_found=as_found).collections[0]
+        lines: Any = matched.plot(as_found=as_found, drawn=None).collections[0]
         np.testing.assert_allclose(lines.get_segments(), np.stack([a, b + right], 1)[inliers], rtol=1e-6)
 
 

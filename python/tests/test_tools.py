@@ -132,9 +132,13 @@ def test_plots_are_drawn_on_axes(chart: bs.Burst, found: bs.Detection) -> None:
     assert circles.get_linewidth()[0] == 0.8 and len(ticks.get_segments()) == len(found)
     assert left.get_ylim() == (179.5, -0.5)
     assert matched.inliers is not None
-    lines: list[Any] = [*middle.collections, *matched.plot(which=~matched.inliers, linewidths=2).collections]
-    counts = [matched.inliers.sum(), (~matched.inliers).sum()]
+    outliers = matched.plot(which=~matched.inliers, drawn=None, linewidths=2)
+    few = matched.plot(drawn=7)
+    lines: list[Any] = [*middle.collections, *outliers.collections, *few.collections]
+    counts = [min(matched.inliers.sum(), 100), (~matched.inliers).sum(), 7]
     assert [len(each.get_segments()) for each in lines] == counts
+    least = np.sort(matched.distance[matched.inliers])[6]
+    assert f"7 of {len(matched)} matches" in few.get_title() and (matched.distance[matched.inliers] <= least).sum() >= 7
     for empty in (found[:0].plot(image=False), found[:2].plot(image=False, edgecolors="red")):
         assert not empty.images
     figure.canvas.draw()
