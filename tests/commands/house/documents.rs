@@ -1,7 +1,10 @@
 //! Checks that the documents agree with the program, and that their links lead to files.
 
+use crate::support::*;
 use burstscope::detector::params::Param;
 use burstscope::{detector, matching};
+use serde_json::Value;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -49,6 +52,49 @@ fn documents_have_the_records_of_all_parameters_and_formats() {
             assert!(made == text, "{document} is not what the program says; BURSTSCOPE_UPDATE_DOCS=1 writes it anew");
         }
     }
+}
+
+/// Adds the keys of a document, and of all that it has in it.
+fn add_keys(value: &Value, keys: &mut BTreeSet<String>) {
+    value.as_array().into_iter().flatten().for_each(|each| add_keys(each, keys));
+    for (key, each) in value.as_object().into_iter().flatten() {
+        keys.insert(key.clone());
+        add_keys(each, keys);
+    }
+}
+
+#[test]
+fn every_key_that_a_command_prints_is_explained_in_its_help_or_the_reference() {
+    let home = folder();
+    let reference = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(REFERENCE)).expect("a document");
+    let mut unexplained = Vec::new();
+    for (help, line) in [
+        ("synth chart", "synth chart --out c --width 240 --height 180 --frames 5 --discs 9"),
+        ("synth scene", "synth scene --out d --width 240 --height 180 --frames 5 --snr 8"),
+        ("synth noise", "synth noise --out n --width 100 --height 80 --frames 4"),
+        ("info", "info c"),
+        ("detect", "detect c --slopes-u -1:1:3 --out found"),
+        ("stack", "stack c --slope 1,0 --out stack.tiff"),
+        ("merge", "merge c --out merged.tiff"),
+        ("slopes", "slopes d"),
+        ("probe", "probe d --at 50,50"),
+        ("decoys", "decoys d --slopes-u -1:1:3"),
+        ("match", "match d d --slopes-u -1:1:3 --out matched"),
+        // A report has the parts of others.
+        ("report info detect slopes decoys probe", "report d --slopes-u -1:1:3 --out page.md"),
+    ] {
+        let mut keys = BTreeSet::new();
+        add_keys(&home.run_json(&format!("{line} --json")), &mut keys);
+        let helps = if help.starts_with("report") { help.split(' ').collect() } else { vec![help] };
+        let helps: String = helps.into_iter().map(|help| home.run_well(&format!("{help} --help"))).collect();
+        let text = helps + &reference;
+        let words: BTreeSet<&str> = text.split(|c: char| !(c.is_alphanumeric() || "_-".contains(c))).collect();
+        // Parameters have the names of their options.
+        let is_option = |key: &str| words.contains(format!("--{}", key.replace('_', "-")).as_str());
+        keys.retain(|key| !words.contains(key.as_str()) && !is_option(key));
+        unexplained.extend(keys.into_iter().map(|key| format!("{help}: {key}")));
+    }
+    assert!(unexplained.is_empty(), "{unexplained:#?}");
 }
 
 /// Targets of links and pictures in a Markdown text that are files.

@@ -4,7 +4,7 @@
 use crate::detector::feature::Keypoint;
 use crate::detector::test::Side;
 use crate::detector::{ParamChange, Sample, Slope, Test};
-use crate::inspect::words::{filled, number, slope_text, value_text};
+use crate::inspect::words::{filled, number, slope_text, snr_text, value_text};
 use serde::Serialize;
 
 /// Outcome of a test of a candidate.
@@ -215,6 +215,12 @@ impl Fate {
     /// The report of a test.
     pub fn report(&self, test: Test) -> &TestReport {
         &self.tests[test as usize]
+    }
+
+    /// Response over its noise in words: below the noise gate the ratio that the gate compared.
+    pub fn snr_text(&self) -> String {
+        let gated = (self.first_failed == Some(Test::NoiseGate)).then(|| self.report(Test::NoiseGate).value);
+        gated.flatten().map_or_else(|| snr_text(self.snr), value_text)
     }
 
     /// Further failed tests, after the first.

@@ -39,9 +39,7 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
         writeln!(out)?;
         write_fate(out, fate)?;
     }
-    if let Some(outlook) = &probe.outlook {
-        writeln!(out, "    {}", outlook.sentence)?;
-    }
+    probe.outlook.iter().try_for_each(|outlook| writeln!(out, "    {}", outlook.sentence))?;
     write_told(out, doubts(probe))?;
     write_others(out, probe)?;
     writeln!(out)?;
@@ -51,10 +49,8 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
 
 fn write_told(out: &mut String, told: Vec<(String, String)>) -> std::fmt::Result {
     for (words, option) in told {
-        writeln!(out, "  {words}")?;
-        if !option.is_empty() {
-            writeln!(out, "    try {option}")?;
-        }
+        let option = if option.is_empty() { option } else { format!("\n    try {option}") };
+        writeln!(out, "  {words}{option}")?;
     }
     Ok(())
 }
@@ -98,7 +94,7 @@ fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
         writeln!(out, "       u       v    σ px          slope   response  what happened")?;
         for fate in &alone[..shown] {
             let [u, v] = fate.pos_image.map(|x| number(x, 1));
-            let (sigma, slope, snr) = (number(fate.sigma, 1), slope_text(fate.slope), snr_text(fate.snr));
+            let (sigma, slope, snr) = (number(fate.sigma, 1), slope_text(fate.slope), fate.snr_text());
             writeln!(out, "  {u:>6} {v:>7} {sigma:>7} {slope:>14} {snr:>8} σ  {}", fate.verdict)?;
         }
     }

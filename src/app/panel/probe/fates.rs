@@ -7,7 +7,7 @@ use crate::app::results::Read;
 use crate::app::style;
 use crate::detector::Test;
 use crate::inspect::place::{Fate, Needed, Outcome, Probe, ProbeSubject, TestReport};
-use crate::inspect::words::{number, sentence, slope_text, snr_text, value_text};
+use crate::inspect::words::{number, sentence, slope_text, value_text};
 use crate::requests::{ProbeQuestion, Probed};
 use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, TextStyle, Ui, vec2};
 use std::ops::Range;
@@ -119,13 +119,11 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
     let why = |test: Test| format!("{} {}", test.record().short, fate.report(test).margin_text());
     let outcome = fate.first_failed.map_or_else(|| "kept".to_owned(), why);
     let away = number((u - at_u).hypot(v - at_v), 1);
-    let font = FontId::proportional(12.0);
-    let texts = [away, number(fate.sigma, 1), slope_text(fate.slope), snr_text(fate.snr), outcome.clone()];
+    let texts = [away, number(fate.sigma, 1), slope_text(fate.slope), fate.snr_text(), outcome.clone()];
     for (text, (x, align)) in texts.iter().zip(COLUMNS) {
         let pos = egui::pos2(rect.left() + x * rect.width(), rect.center().y);
-        let good = *text == outcome && fate.is_kept() && !selected;
-        let colour = if good { style::good(ui) } else { colour };
-        ui.painter().text(pos, align, text, font.clone(), colour);
+        let colour = if *text == outcome && fate.is_kept() && !selected { style::good(ui) } else { colour };
+        ui.painter().text(pos, align, text, FontId::proportional(12.0), colour);
     }
     let name = format!("Candidate {}: {}", index + 1, outcome.trim());
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, selected, &name));
