@@ -73,7 +73,7 @@ use crate::plane::memory;
 use args::{BurstSearchArgs, INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs};
 use charts_args::{ChartsArgs, ComparedArgs};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
-use commands::{Cli, Command};
+use commands::Cli;
 use console::{Both, Console, document};
 use inputs::{Input, OneBurst, check_ending, open_options, opened, resolve, resolve_bursts, resolve_one, resolve_pair};
 use matching_args::MatchingArgs;

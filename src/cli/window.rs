@@ -6,7 +6,7 @@ use super::opening::{Opening, what_to_open};
 use super::render::{drawn, startup_of};
 use super::report::unsigned_zero;
 use super::search_options::read_params;
-use super::{Cli, Command, Console, Failure, Input, OutputArgs, signals};
+use super::{Cli, Console, Failure, Input, OutputArgs, commands::Command, signals};
 use crate::app::{RenderOptions, Startup};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
