@@ -1054,8 +1054,9 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
         gain-flicker, clipped-black, saturated, constant-frame, constant, drifting-stripes-SPEED (px/frame),
         varying-TIMES (strength by place), banding, still-banding, smoothed, flickering-pixels, noisy-columns,
         negative, fading-PERCENT and breathing-PERCENT (level over time), cosmic-streaks, fixed-pattern-PERCENT
-        (of the noise), bits-PERCENT (of pixels that are 1, the others 0). Without it the white ones of --sigma
-        and --bits, and all others
+        (of the noise), bits-PERCENT (of pixels that are 1, the others 0), growing-stripes. Two are joined by +,
+        and followed by :strength=2 (of patterns), :period=40 (px) and :phase=0.5 (of it). Without it the white
+        ones of --sigma and --bits, and all others
     case_sigma : float
         Standard deviation of the noise of the kinds of --case, fraction of full scale [default: 0.02]
     case_level : float
@@ -1066,6 +1067,10 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     seeds : int
         Number of bursts for each number of the table, instead of --megapixels; the table then shows the largest
         count of one of them
+    cases : int
+        Number of kinds of noise drawn from a grid of all cases, alone and in pairs, their strengths, periods,
+        phases and levels; the ten with most false features are measured again with other seeds, ten times as
+        long, and shown
     seed : int
         The first burst's seed [default: 1]
     width : int
@@ -1155,6 +1160,7 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     case_level: float
     megapixels: float
     seeds: int
+    cases: int
     seed: int
     width: int
     height: int
@@ -1208,6 +1214,14 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Seed of the noise: the same seed makes the same bursts on every machine [default: 1]
     pairs : str or float
         Which bursts are matched: all, or each with the next K (sequential:K) [default: all]
+    by : {'angle'}
+        Table that is shown last and written by --table: right matches by the angle between the two cameras of a
+        pair as seen from the scene. Needs a known --camera
+    truth : Path
+        True poses of the bursts, by which matches are judged: as 'evaluate poses --truth' takes them. The
+        points of a sparse model say which part of the scene both cameras of a pair see
+    right_px : float
+        Largest distance of a right match from true epipolar geometry [default: 2]
     burst_length : int
         Take each input for a long sequence and cut it into bursts of N frames, each named after its middle
         frame
@@ -1391,6 +1405,9 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     bits: int
     noise_seed: int
     pairs: Union[str, float]
+    by: Literal["angle"]
+    truth: Path
+    right_px: float
     burst_length: int
     burst_step: int
     ratio: float
