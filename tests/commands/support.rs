@@ -57,7 +57,7 @@ impl Line for Vec<&str> {
     }
 }
 
-/// What is done in a folder.
+/// Folder with files that are written and read, in which the program runs.
 pub trait Home {
     fn folder(&self) -> &Path;
 

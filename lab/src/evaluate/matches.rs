@@ -343,7 +343,7 @@ impl TruePair<'_> {
     }
 }
 
-/// What the truth says of the matches.
+/// Matches judged by true poses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TruthReport {
     /// Largest error of a right match, pixels.

@@ -162,7 +162,7 @@ pub fn paint(painter: &Painter, texture: TextureId, rect: Rect) {
 #[derive(Clone, Default)]
 struct Textures(Arc<Mutex<BTreeMap<String, Drawn>>>);
 
-/// What a texture was made of, and the pass of its last drawing.
+/// Origin of a texture, the texture, and the number of the pass that drew it last.
 type Drawn = (PlaneKey, TextureHandle, u64);
 
 /// Origin of values, the square of it that they show, and how they are shown, in the dark theme or in the light one.

@@ -81,12 +81,11 @@ fn every_key_that_a_command_prints_is_explained_in_its_help_or_the_reference() {
         ("decoys", "decoys d --slopes-u -1:1:3"),
         ("match", "match d d --slopes-u -1:1:3 --out matched"),
         // A report has the parts of others.
-        ("report info detect slopes decoys probe", "report d --slopes-u -1:1:3 --out page.md"),
+        ("report, info, detect, slopes, decoys, probe", "report d --slopes-u -1:1:3 --out page.md"),
     ] {
         let mut keys = BTreeSet::new();
         add_keys(&home.run_json(&format!("{line} --json")), &mut keys);
-        let helps = if help.starts_with("report") { help.split(' ').collect() } else { vec![help] };
-        let helps: String = helps.into_iter().map(|help| home.run_well(&format!("{help} --help"))).collect();
+        let helps: String = help.split(", ").map(|help| home.run_well(&format!("{help} --help"))).collect();
         let text = helps + &reference;
         let words: BTreeSet<&str> = text.split(|c: char| !(c.is_alphanumeric() || "_-".contains(c))).collect();
         // Parameters have the names of their options.
