@@ -48,6 +48,9 @@ PROFILE ?= release
 
 .PHONY: run test check test-core test-window accept pictures bench measurements measure fuzz packages wheel test-python notebooks keywords dist try-dist
 
+# What is made for use names its commit; elsewhere each commit would build the program anew.
+run wheel dist: export BURSTSCOPE_COMMIT ?= $(shell git rev-parse --short=9 HEAD 2>/dev/null)
+
 run: packages
 	$(CARGO) run --release
 

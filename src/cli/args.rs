@@ -73,7 +73,7 @@ Files, for each burst NAME:
   With --verdict: csv also verdict,coherence; npz also verdict [N] u8 (0 real, 1 ghost, 2 alias, 3 duplicate, 4 unclear), coherence [N] f32
 
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"detect\", \"params\": {as in the parameter file},
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"detect\", \"params\": {as in the parameter file},
    \"bursts\": [{\"name\", \"inputs\": [path], \"frames\", \"frames_used\": [first, end], \"width\", \"height\", \"full_scale\", \"encoding\": linear or srgb,
      \"positions\": [frame intervals from the first frame] and \"interval_s\" where --times gives others than even ones,
      \"views\": [[column, row] from the first view] of a light field,

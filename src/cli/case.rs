@@ -43,7 +43,7 @@ Examples:
   burstscope case night/ --at 412,230 --around 100 --out why.burstcase
   burstscope probe why.burstcase --params why.burstcase --at 100,100
 
-JSON (--json): {\"version\", \"detector_revision\", \"command\": \"case\", \"file\", \"case\": {as case.toml in the file}, \"bytes\"}";
+JSON (--json): {\"version\", \"commit\", \"detector_revision\", \"command\": \"case\", \"file\", \"case\": {as case.toml in the file}, \"bytes\"}";
 
 pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
     let search = args.run.search.params()?;

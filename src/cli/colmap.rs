@@ -250,7 +250,7 @@ OPENCV_FISHEYE fx,fy,cx,cy,k1,k2,k3,k4; …. The centre of the first pixel is at
 where only one of the two cameras of a pair is known, by the fundamental matrix. The mapper's line holds the cameras if all are known; else it refines them all.
 
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\",
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\",
    \"cameras\": [{\"model\", \"width\", \"height\", \"params\", \"known\": or guessed, \"from\": [file] of those of some bursts, \"images\": [id]}], \"known_camera\": whether all are,
    \"images\": [{\"id\", \"burst\", \"image\", \"frames\": in which features were found, \"features\", \"resumed\"}],
    \"pairs\": [{\"ids\": [a, b], \"resumed\", \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],

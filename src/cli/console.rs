@@ -1,5 +1,6 @@
 //! Terminal of a command: results on the standard output, progress on the standard error, signals cancel the work.
 
+use super::commands::COMMIT;
 use super::failure::{complain, print, print_json, printable};
 use super::{Failure, OutputArgs, signals};
 use crate::detector::{REVISION, memory};
@@ -115,8 +116,8 @@ impl Console {
         if !self.output.json {
             return Ok(());
         }
-        let (version, detector_revision) = (env!("CARGO_PKG_VERSION"), REVISION);
-        let document = Both { one: document! { version, detector_revision, command }, other: report };
+        let (version, commit, detector_revision) = (env!("CARGO_PKG_VERSION"), COMMIT, REVISION);
+        let document = Both { one: document! { version, commit, detector_revision, command }, other: report };
         let text = serde_json::to_string_pretty(&document)
             .context("cannot put the results into JSON")
             .map_err(Failure::Failed)?;

@@ -45,14 +45,14 @@ Slopes: without --slopes-u and --slopes-v BuFF 1D searches -3:3:13 to the right 
 that is given is BuFF 1D's; a plane is BuFF 2D's, and its u axis BuFF 1D's.
 
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"evaluate chart\", \"chart\", \"first_seed\", \"seeds\", \"ranking\", \"false_fraction\", \"detector\": {as in the parameter file},
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"evaluate chart\", \"chart\", \"first_seed\", \"seeds\", \"ranking\", \"false_fraction\", \"detector\": {as in the parameter file},
    \"slopes_1d\", \"slopes_2d\", \"rows\": [{\"snr\", \"methods\": [{\"method\", \"true_positives\": {\"mean\", \"standard_error\"},
      \"default_true_positives\", \"default_false_features\", \"default_false_per_disc\", \"noise_estimate_ratio\", \"roc\": [mean discs found with at most 0, 1, … false features],
      \"charts\": [{\"seed\", \"true_positives\", \"default_true_positives\", \"default_false_features\", \"noise_estimate_ratio\"}]}]}]}";
 
 const ACCURACY_HELP: &str = "\
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"evaluate accuracy\", \"chart\", \"first_seed\", \"seeds\", \"detector\": {as in the parameter file},
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"evaluate accuracy\", \"chart\", \"first_seed\", \"seeds\", \"detector\": {as in the parameter file},
    \"rows\": [{\"snr\", \"within\": {\"discs\", \"found\", \"marked\"}, \"beyond\": {the same}, \"distance\": [median, 95 %], \"apart\", \"distance_apart\",
      \"u\": {\"count\", \"signed\": {\"mean\", \"standard_error\"}, \"median_magnitude\", \"magnitude_95\"}, \"v\", \"scale\", \"slope_u\", \"slope_v\", \"slope_distance\"}],
    \"apart\": {the same, from \"chart\" on, of discs that stand apart}}";
@@ -153,6 +153,6 @@ pub struct AdviceArgs {
 
 const ADVICE_HELP: &str = "\
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"evaluate advice\", \"snrs\", \"seeds\", \"first_seed\",
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"evaluate advice\", \"snrs\", \"seeds\", \"first_seed\",
    \"said\": {statement: {what is true: bursts}}, each of fits, range, step, direction, cost, times, frames and unknown,
    \"wrong_share\" of what is said and not unknown, or null, \"bursts\": [{\"kind\", \"snr\", \"seed\", \"said\", \"true\", \"sentence\"}]}";

@@ -52,9 +52,9 @@ pub struct FramesArgs {
 
 const FRAMES_HELP: &str = "\
 JSON (--json) of charts: that of 'evaluate chart' with
-  {\"version\", \"detector_revision\", \"command\": \"evaluate frames\", \"snr\", …, \"rows\": [{\"frames\", \"methods\": [{as there}]}]}
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"evaluate frames\", \"snr\", …, \"rows\": [{\"frames\", \"methods\": [{as there}]}]}
 JSON (--json) of INPUT:
-  {\"version\", \"detector_revision\", \"command\": \"evaluate frames\", \"burst\", \"second\", \"detector\": {as in the parameter file}, \"second_slopes\", \"features\", \"discs\",
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"evaluate frames\", \"burst\", \"second\", \"detector\": {as in the parameter file}, \"second_slopes\", \"features\", \"discs\",
    \"rows\": [{\"frames\", \"first_frame\", \"features\", \"confirmed\", \"unconfirmed\", \"discs_found\", \"false_features\",
      \"matches\": null or {\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\"}}]}";
 

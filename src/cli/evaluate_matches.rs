@@ -93,7 +93,7 @@ By angle: the median over the points of the scene that both cameras see of the a
 'seen by both' is the mean share of the points seen by either camera, 'matches' the inliers of all pairs of the bin, 'precision' right matches over matches.
 
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"evaluate matches\", \"noise\": null or {\"snr\", \"seed\", \"gain\", \"frame_noise\"}, \"bursts\": [name], \"frames\", \"size\": [columns, rows],
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"evaluate matches\", \"noise\": null or {\"snr\", \"seed\", \"gain\", \"frame_noise\"}, \"bursts\": [name], \"frames\", \"size\": [columns, rows],
    \"pairs\": [[a, b]], \"detector\": {as in the parameter file}, \"slopes_1d\", \"slopes_2d\", \"matching\", \"methods\": [{\"method\", \"keypoints_per_image\",
      \"putative_per_image\", \"inliers_per_image\", \"match_ratio\", \"match_score\", \"inlier_ratio\", \"verified_pairs\", \"on_gold_geometry_per_image\",
      \"slopes_found\": [one grid a burst, where the method finds them],

@@ -36,7 +36,7 @@ const FIGURES_HELP: &str = "\
 Files: NAME.svg and NAME.csv for each figure, index.html, and records/, by which finished figures are known again. About two minutes on two cores without COLMAP.
 
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"figures\", \"page\", \"size\": full or quick, \"figures\": [{\"figure\", \"files\": [path], \"notes\": [sentence], \"resumed\", \"seconds\"}]}";
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"figures\", \"page\", \"size\": full or quick, \"figures\": [{\"figure\", \"files\": [path], \"notes\": [sentence], \"resumed\", \"seconds\"}]}";
 
 pub(super) fn run(args: &FiguresArgs) -> Result<(), Failure> {
     if args.out.exists() && !args.out.is_dir() {

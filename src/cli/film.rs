@@ -55,7 +55,7 @@ Examples:
   burstscope film night/ --sweep frames --slope -2.1,0 --out frames.gif
   burstscope film night/ --sweep scale --out scale.mp4
 
-JSON (--json): {\"version\", \"detector_revision\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\" (null for MP4), \"bytes\"}";
+JSON (--json): {\"version\", \"commit\", \"detector_revision\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\" (null for MP4), \"bytes\"}";
 
 pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let mut params = args.run.search.params()?;

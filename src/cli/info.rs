@@ -23,7 +23,7 @@ pub struct InfoArgs {
 
 const INFO_HELP: &str = "\
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"info\", \"bursts\": [{\"inputs\": [path], \"name\", \"kind\", \"files\", \"frames\", \"width\", \"height\", \"samples\", \"is_colour\",
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"info\", \"bursts\": [{\"inputs\": [path], \"name\", \"kind\", \"files\", \"frames\", \"width\", \"height\", \"samples\", \"is_colour\",
      \"binning\", \"times_s\": [s from the first frame] and \"begins\" (UTC) where the files say it,
      \"positions\": [frame intervals from the first frame] and \"interval_s\" where files, names or a list say it, \"are_times_used\",
      \"views\": [rows, columns] of a light field, \"taken\": [what was guessed or chosen]}],

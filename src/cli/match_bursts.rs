@@ -164,7 +164,7 @@ Numbers, as in the paper's tables: match ratio = putative matches over keypoints
 inliers over putative matches.
 
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"match\", \"params\": {as in the parameter file}, \"matching\", \"a\": {as a burst of 'detect'}, \"b\",
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"match\", \"params\": {as in the parameter file}, \"matching\", \"a\": {as a burst of 'detect'}, \"b\",
    \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": \"motions\" or \"pictures\" where they contradict the geometry, else absent, \"match_ratio\", \"match_score\", \"inlier_ratio\",
    \"model\": null or {\"kind\", \"matrix\": [[row], …]}, \"files\": {\"matches\", \"picture\"}}
   The matrix maps pixels whose first centre is at (0, 0): x_b^T F x_a = 0, or x_b ~ H x_a; the essential matrix maps directions. inliers, match_score and

@@ -47,7 +47,7 @@ Examples:
   burstscope recover night/ --copies 1 --case planted.burstcase
 
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"recover\", \"burst\", \"size\": [columns, rows], \"frames\", \"detector\": {as in the parameter file}, \"grid\",
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"recover\", \"burst\", \"size\": [columns, rows], \"frames\", \"detector\": {as in the parameter file}, \"grid\",
    \"noise_gate_factor\", \"frame_noise\", \"features\", \"shape\", \"contrast\",
    \"levels\": {\"snrs\", \"slopes\", \"radii\", \"at_snr\", \"at_radius\", \"per_copy\", \"expected_half\", \"expected_amplitude\"}, \"copies\", \"copies_done\",
    \"over_snr\", \"over_slope\", \"over_size\": [{\"level\", \"planted\", \"found\", \"interval\": [low, high], \"expected\"}],
