@@ -40,8 +40,8 @@ Pairing: names are compared whole, or without folders and endings if no two agre
 names (23 for image.0023.png). The order is the image's id, or the line.
 
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"evaluate poses\", \"estimate\", \"truth\", \"images\", \"registered\", \"right\": cameras, \"images_pass_percent\", \"associated\", \"scale\", \"straight\",
-   \"absolute\": {\"count\", \"translation\": {\"rmse\", \"mean\", \"median\", \"max\"}, \"rotation_deg\": {…}}, \"step\", \"relative\": {as absolute},
+  {\"version\", \"commit\", \"detector_revision\", \"command\": \"evaluate poses\", \"estimate\", \"truth\", \"images\", \"registered\", \"right\": cameras, \"images_pass_percent\", \"associated\", \"scale\", \"straight\",
+   \"absolute\": {\"count\", \"translation\": {\"rmse\", \"mean\", \"median\", \"max\"}, \"rotation_deg\": {…}}, \"common_rotation_deg\", \"step\", \"relative\": {as absolute},
    \"model\": null or {\"registered_images\", \"points\", \"points_per_image\", \"mean_track_length\", \"mean_reprojection_error_px\"},
    \"pairs\": [{\"label\", \"true_centre\": [x, y, z], \"aligned_centre\", \"translation_error\", \"rotation_error_deg\"}]}";
 
@@ -84,6 +84,10 @@ fn text(report: &PoseReport) -> String {
     text += &format!("{count} poses paired {paired}, aligned with scale {scale:.6}{straight}\n");
     text += if count > 2 { "\n" } else { "two poses always fit: their errors say nothing\n\n" };
     text += &errors_table(report).headed(&[""]).text();
+    let (common, mean) = (report.common_rotation_deg, report.absolute.rotation_deg.mean);
+    if count > 2 && common > 0.5 * mean {
+        text += &format!("all cameras turned by {common:.2}° in common, as by a principal point that is off\n");
+    }
     if report.relative.count == 0 {
         text += &format!("no motion over {} poses: fewer are paired\n", report.step);
     }

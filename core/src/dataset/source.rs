@@ -74,6 +74,6 @@ impl DatasetSource {
 }
 
 fn with_unique_names(mut bursts: Vec<BurstFiles>) -> Vec<BurstFiles> {
-    make_file_names_unique(bursts.iter_mut().map(|b| &mut b.name));
+    make_file_names_unique(bursts.iter_mut().map(|b| (&mut b.name, b.paths.first().cloned())));
     bursts
 }

@@ -6,10 +6,11 @@ use super::npz::write_npz;
 use crate::detector::Detection;
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
-use std::{collections::HashSet, fmt, str::FromStr};
+use std::{collections::HashSet, ffi::OsStr, str::FromStr};
 
 /// Export format of features.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, strum::Display)]
+#[strum(serialize_all = "lowercase")]
 pub enum ExportFormat {
     /// A table of the features, `NAME.csv`.
     Csv,
@@ -23,22 +24,18 @@ impl ExportFormat {
     /// All formats.
     pub const ALL: [Self; 3] = [Self::Csv, Self::Colmap, Self::Npz];
 
-    fn words(self) -> [&'static str; 3] {
-        match self {
-            Self::Csv => ["csv", "csv", "Table of features (CSV)"],
-            Self::Colmap => ["colmap", "txt", "Features and descriptors for COLMAP (text)"],
-            Self::Npz => ["npz", "npz", "Features and descriptors for numpy (npz)"],
-        }
-    }
-
     /// Extension of its files, without the dot.
     pub fn extension(self) -> &'static str {
-        self.words()[1]
+        ["csv", "txt", "npz"][self as usize]
     }
 
     /// Description for a dialog or a help text.
     pub fn description(self) -> &'static str {
-        self.words()[2]
+        match self {
+            Self::Csv => "Table of features (CSV)",
+            Self::Colmap => "Features and descriptors for COLMAP (text)",
+            Self::Npz => "Features and descriptors for numpy (npz)",
+        }
     }
 
     /// Writes the features of `detection` to the file `path` in this format.
@@ -48,12 +45,6 @@ impl ExportFormat {
             Self::Colmap => write_colmap(path, &detection.features, &detection.descriptors),
             Self::Npz => write_npz(path, &detection.features, &detection.descriptors, verdicts),
         }
-    }
-}
-
-impl fmt::Display for ExportFormat {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.words()[0])
     }
 }
 
@@ -114,11 +105,19 @@ pub fn safe_file_name(name: &str) -> String {
     format!("{}{checksum}", &name[..name.floor_char_boundary(LONGEST_NAME - checksum.len())])
 }
 
-/// Numbers names that would give the same file name ([`safe_file_name`]), even where upper and lower case are the same.
-pub fn make_file_names_unique<'a>(names: impl Iterator<Item = &'a mut String>) {
+/// Names apart what would give the same file name ([`safe_file_name`]), even where upper and lower case are the same, by
+/// the folder in which the path lies that a name is of, or by a number where that is not known or not enough.
+pub fn make_file_names_unique<'a>(names: impl Iterator<Item = (&'a mut String, Option<PathBuf>)>) {
     let key = |name: &str| safe_file_name(name).to_lowercase();
-    let mut taken: HashSet<String> = HashSet::new();
-    for name in names {
+    let (names, mut taken): (Vec<_>, HashSet<String>) = (names.collect(), HashSet::new());
+    let keys: Vec<String> = names.iter().map(|(name, _)| key(name)).collect();
+    for ((name, path), own) in names.into_iter().zip(&keys) {
+        let is_of_name = |path: &&Path| [path.file_name(), path.file_stem()].contains(&Some(OsStr::new(&*name)));
+        let of_name = path.as_ref().and_then(|path| path.ancestors().find(is_of_name));
+        let folder = of_name.and_then(Path::parent).and_then(Path::file_name);
+        if let Some(folder) = folder.filter(|_| keys.iter().filter(|key| *key == own).count() > 1) {
+            *name = format!("{}_{name}", folder.to_string_lossy());
+        }
         if !taken.insert(key(name)) {
             let number = (2..).find(|n| !taken.contains(&key(&format!("{name}_{n}")))).expect("numbers never end");
             *name = format!("{name}_{number}");

@@ -35,6 +35,7 @@ fn a_square_with_one_corner_off_by_hand() {
     assert!((report.absolute.translation.median - corner).abs() < 1e-12);
     assert!((report.absolute.translation.max - middle).abs() < 1e-12);
     assert!(report.absolute.rotation_deg.max < 1e-6);
+    assert!(report.common_rotation_deg < 1e-6);
     assert_eq!((report.absolute.count, report.relative.count, report.images_pass_percent()), (5, 4, 50.0));
     // By two corners alone the four are laid where they belong, and the middle is 0.5 too high: 18 % of the extent.
     assert_eq!(report.right, 4);
@@ -43,6 +44,18 @@ fn a_square_with_one_corner_off_by_hand() {
     assert!((report.relative.translation.median - side).abs() < 1e-12);
     assert_eq!(report.pairs[4].label, "4.png");
     assert!((report.pairs[4].translation_error - middle).abs() < 1e-12);
+}
+
+#[test]
+fn a_turn_of_all_cameras_is_told_from_those_of_each() {
+    let truth = trajectory(&[[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.5]]);
+    let mut estimate = truth.clone();
+    let turn = |own: f64| Isometry3::new(Vector3::zeros(), Vector3::new(0.01, own, 0.0));
+    let own = [0.002, -0.002, 0.002, -0.002].map(turn);
+    estimate.poses.iter_mut().zip(own).for_each(|(pose, turn)| pose.world_from_camera *= turn);
+    let report = evaluate_poses(&estimate, &truth, &PoseStudy::default()).expect("a report");
+    assert!((report.common_rotation_deg - 0.01f64.to_degrees()).abs() < 1e-4, "{}", report.common_rotation_deg);
+    assert!((report.absolute.rotation_deg.mean - 0.0102f64.to_degrees()).abs() < 1e-2);
 }
 
 #[test]

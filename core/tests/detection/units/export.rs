@@ -191,8 +191,13 @@ fn no_name_leaves_its_folder() {
 #[test]
 fn names_that_would_share_a_file_are_numbered() {
     let mut names = ["a", "A", "a_2", "a:", "a?"].map(str::to_owned);
-    make_file_names_unique(names.iter_mut());
+    make_file_names_unique(names.iter_mut().map(|name| (name, None)));
     assert_eq!(names, ["a", "A_2", "a_2_2", "a:", "a?_2"]);
+    // Where it is known, the folder says more than a number; what has no twin keeps its name.
+    let paths = ["n1/a.tif", "n2/a/0.png", "n2/a", "n2/b.tif"].map(PathBuf::from);
+    let mut names = ["a", "a", "a", "b"].map(str::to_owned);
+    make_file_names_unique(names.iter_mut().zip(paths.map(Some)));
+    assert_eq!(names, ["n1_a", "n2_a", "n2_a_2", "b"]);
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

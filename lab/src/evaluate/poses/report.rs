@@ -10,7 +10,7 @@ use crate::evaluate::statistics::quantiles;
 use burstscope_core::error::{Error, Result};
 #[cfg(feature = "cli")]
 use burstscope_core::synth::options::words;
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Parameters of a comparison of an estimate with the truth.
@@ -81,6 +81,8 @@ pub struct PoseReport {
     /// Whether the cameras lie on a straight line, see [`super::align()`].
     pub straight: bool,
     pub absolute: PoseErrors,
+    /// Angle by which all cameras are turned alike, each in its own axes, degrees: by a wrong principal point, for one.
+    pub common_rotation_deg: f64,
     /// Number of poses from start to end of a motion.
     pub step: usize,
     pub relative: PoseErrors,
@@ -124,6 +126,7 @@ pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStu
     // Relative errors need the aligned poses too: only these are in the truth's unit of length.
     let aligned: Vec<Isometry3<f64>> = estimated.iter().map(|e| alignment.truth_from_estimate.apply(e)).collect();
     let left_over = absolute(&aligned, &truths);
+    let turns: Vector3<f64> = left_over.iter().map(|error| error.rotation.scaled_axis()).sum();
     let pair = |k: usize| {
         let (translation_error, rotation_error_deg) = magnitudes(&left_over[k]);
         PairReport {
@@ -145,6 +148,7 @@ pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStu
         truth_from_estimate: alignment.truth_from_estimate,
         straight: alignment.straight,
         absolute: PoseErrors::of(&left_over),
+        common_rotation_deg: (turns / left_over.len() as f64).norm().to_degrees(),
         step: study.step,
         relative: PoseErrors::of(&relative(&aligned, &truths, study.step)),
         model: estimate.model.as_ref().map(|m| m.summary()),
