@@ -2,11 +2,12 @@
 
 use super::{BurstSource, JobError, PossibleShape};
 use crate::burst::{Burst, Dump, LikelyShape, Limits, OpenOptions, find_bursts, likely_shapes, shape_of};
-use crate::dataset::BurstPicture;
+use crate::dataset::{BurstPicture, camera::read_camera};
 use crate::detector::view::coarse_frames;
 use crate::error::{Error, ErrorKind};
 use crate::inspect::result::{has_truth, truth_of};
 use crate::inspect::words::counted;
+use crate::matching::Camera;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::synth::{Truth, synth_chart};
@@ -25,6 +26,8 @@ pub struct OpenBurst {
     pub id: BurstId,
     pub burst: Arc<Burst>,
     pub source: BurstSource,
+    /// Camera of a file beside the frames or above them, or what is wrong with it.
+    pub camera: Option<Result<Camera, Error>>,
     planted: Option<Arc<Truth>>,
     coarse: Arc<[OnceLock<Vec<Plane>>; PREVIEW_OCTAVES.len()]>,
 }
@@ -36,7 +39,7 @@ impl OpenBurst {
     pub fn new(burst: Burst, source: BurstSource) -> Self {
         static COUNTER: AtomicU64 = AtomicU64::new(1);
         let id = BurstId(COUNTER.fetch_add(1, Ordering::Relaxed));
-        Self { id, burst: Arc::new(burst), source, planted: None, coarse: Arc::default() }
+        Self { id, burst: Arc::new(burst), source, camera: None, planted: None, coarse: Arc::default() }
     }
 
     /// Frames on the pixels of `octave`, made once; none for an octave without previews.
@@ -78,7 +81,9 @@ impl BurstSource {
     pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<OpenBurst, JobError> {
         match self.burst_and_planted(options, monitor) {
             Ok((burst, planted)) => {
-                Ok(OpenBurst { planted: planted.map(Arc::new), ..OpenBurst::new(burst, self.clone()) })
+                let camera = Some(options.file_of_camera(self.paths())).filter(|file| file.is_file());
+                let (camera, planted) = (camera.map(|file| read_camera(&file)), planted.map(Arc::new));
+                Ok(OpenBurst { planted, camera, ..OpenBurst::new(burst, self.clone()) })
             }
             // A cancelled read may fail in any other way.
             Err(error) if error.is_cancelled() || monitor.is_cancelled() => Err(JobError::Cancelled),

@@ -52,6 +52,35 @@ fn a_second_burst_is_opened_beside_the_first_and_matched() {
 }
 
 #[test]
+fn cameras_beside_the_frames_are_offered() {
+    let home = tempfile::tempdir().unwrap();
+    let [a, b] = ["n1", "n2"].map(|name| {
+        let folder = home.path().join(name);
+        fs::create_dir(&folder).unwrap();
+        noisy_stack(&folder, 5, 96, 128)
+    });
+    let camera = |f: f64| format!("model = \"PINHOLE\"\nwidth = 128\nheight = 96\nparams = [{f}, {f}, 64, 48]\n");
+    let open = || {
+        let (start, second) = (Start::of(&a), Some(BurstSource::Paths(vec![b.clone()])));
+        Start { size: [1280.0, 800.0], startup: Startup { second, ..start.startup }, ..start }.open()
+    };
+    // The nearest counts, for each burst.
+    fs::write(home.path().join("camera.toml"), camera(150.0)).unwrap();
+    fs::write(home.path().join("n2/camera.toml"), camera(140.0)).unwrap();
+    let mut window = open();
+    assert!(window.document().matching.camera.is_none(), "not unasked");
+    window.click("Use camera.toml").settle();
+    let focal = |window: &Window| window.document().matching.cameras().map(|two| two.map(|camera| camera.params[0]));
+    assert_eq!(focal(&window), Some([150.0, 140.0]));
+    assert!(window.document().matching.geometry == Geometry::Essential && !window.shows("Use camera.toml"));
+    window.ctrl(Key::Z);
+    assert!(focal(&window).is_none() && window.shows("Use camera.toml"), "it is one step");
+    fs::write(home.path().join("n2/camera.toml"), "model = 3\n").unwrap();
+    let window = open();
+    assert!(!window.shows("Use camera.toml") && window.shows("n2/camera.toml"), "what is wrong is said");
+}
+
+#[test]
 fn a_match_is_pointed_at_chosen_and_seen_alone() {
     let mut window = pair();
     // Zoomed in on one match with no others nearby.
@@ -137,6 +166,21 @@ fn parameters_of_matching_are_live_documented_and_checked() {
     let model = window.model();
     assert_eq!(model.document.matching.camera.as_ref().map(|c| (c.width, c.height)), Some((480, 360)));
     assert!(model.results.pair.matches.as_ref().unwrap().model().is_some());
+    // A typed camera is read as soon as it is whole; until then it stays as it was.
+    let focal = |window: &Window| window.document().matching.camera.as_ref().map(|camera| camera.params[0]);
+    let before = focal(&window);
+    let type_in = |window: &mut Window, text: &str| {
+        let field = window.harness.get_by_role_and_label(Role::TextInput, "Camera");
+        field.focus();
+        field.type_text(text);
+        window.steps(2);
+    };
+    window.harness.get_by_role_and_label(Role::TextInput, "Camera").focus();
+    window.steps(2).ctrl(Key::A);
+    type_in(&mut window, "PINHOLE 480 360 500");
+    assert!(focal(&window) == before && window.shows("PINHOLE"), "what is typed stays");
+    type_in(&mut window, " 500 240 180");
+    assert_eq!(focal(&window), Some(500.0));
 }
 
 #[test]

@@ -165,8 +165,12 @@ impl OpenOptions {
 
     /// Files with the rotations of `frames` and of their camera; `None` where the frames are not to be turned.
     pub fn files_of_rotations(&self, frames: &[PathBuf]) -> Option<[PathBuf; 2]> {
-        let lens = self.lens.as_deref().unwrap_or(Path::new(CAMERA_FILE));
-        self.rotations.as_deref().map(|list| [near(list, frames, 2), near(lens, frames, 4)])
+        self.rotations.as_deref().map(|list| [near(list, frames, 2), self.file_of_camera(frames)])
+    }
+
+    /// File of the camera of `frames`, which need not exist: beside them or in one of the three folders above.
+    pub fn file_of_camera(&self, frames: &[PathBuf]) -> PathBuf {
+        near(self.lens.as_deref().unwrap_or(Path::new(CAMERA_FILE)), frames, 4)
     }
 
     /// The paths of [`paths_mut`](Self::paths_mut), cloned.

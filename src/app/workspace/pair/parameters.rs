@@ -94,7 +94,25 @@ fn all_rows_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if fold_ui(ui, model, needed, changed, queue) {
         ADVANCED.iter().for_each(|record| row(ui, record));
     }
+    offered_camera_ui(ui, model, p);
     queue.edit(model.document, Action::SetMatching(Box::new(params)));
+}
+
+/// Offers the cameras of files beside the bursts, which the commands take unasked, unless another one is given.
+fn offered_camera_ui(ui: &mut Ui, model: Read<'_>, p: &mut MatchParams) {
+    let of = |side| model.burst_of(side).and_then(|open| open.camera.as_ref());
+    let (a, b) = (of(Side::A), if model.burst_of(Side::B).is_some() { of(Side::B) } else { of(Side::A) });
+    match (a, b) {
+        _ if p.camera.is_some() => {}
+        (Some(Err(why)), _) | (_, Some(Err(why))) => _ = error_ui(ui, RichText::new(why.to_string()).small()),
+        (Some(Ok(a)), Some(Ok(b))) => {
+            let tip = format!("{a}, of the file beside the frames: matches are then verified by the essential matrix");
+            if ui.button("Use camera.toml").on_hover_text(tip).clicked() {
+                *p = MatchParams { geometry: Geometry::Essential, ..p.with_cameras(Some(a), Some(b)) };
+            }
+        }
+        _ => {}
+    }
 }
 
 fn camera_ui(ui: &mut Ui, model: Read<'_>, table: &ParamTable<'_, MatchParams>, p: &mut MatchParams) {
@@ -121,35 +139,11 @@ fn camera_ui(ui: &mut Ui, model: Read<'_>, table: &ParamTable<'_, MatchParams>, 
     if response.changed() {
         typed.read();
         if typed.problem.is_none() {
-            p.camera.clone_from(&typed.camera);
+            (p.camera, p.camera_b) = (typed.camera.clone(), None);
         }
     }
     if let Some(problem) = &typed.problem {
         error_ui(ui, RichText::new(problem).small());
     }
     ui.data_mut(|data| data.insert_temp(id, typed));
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_camera_is_read_as_soon_as_it_is_whole_and_one_from_elsewhere_is_shown() {
-        let mut typed = CameraText { text: "PINHOLE 640 480 500".into(), ..CameraText::default() };
-        typed.read();
-        assert!(typed.problem.is_some() && typed.camera.is_none());
-        typed.text = "PINHOLE 640 480 500 500 320 240".into();
-        typed.read();
-        assert!(typed.problem.is_none());
-        let camera = typed.camera.clone().expect("read");
-        assert_eq!(camera.width, 640);
-        typed.follow(Some(&camera));
-        assert_eq!(typed.text, "PINHOLE 640 480 500 500 320 240", "what is being typed is left alone");
-        typed.follow(Some(&Camera::centred(8, 6, 5.0)));
-        assert!(typed.text.contains(" 8 6 "), "{}", typed.text);
-        typed.text.clear();
-        typed.read();
-        assert!(typed.camera.is_none() && typed.problem.is_none());
-    }
 }
