@@ -2,6 +2,7 @@
 
 use crate::support::*;
 use burstscope::app::parts;
+use burstscope::teach::Part;
 
 /// A test of each lesson, and the steps that their pictures show, from 1.
 macro_rules! lessons {
@@ -256,6 +257,10 @@ fn play_at(name: &str, size: [f32; 2]) {
             assert!(rect.is_some_and(|(_, rect)| rect.area() > 100.0), "{what}: {part} is not seen: {drawn:?}");
         }
         assert_in_sight(&window, step, &what);
+        // Whoever learns about something else is not to wonder about the slopes.
+        let is_of_slopes =
+            step.highlight.iter().any(|part| *part == Part::Below || part.to_string().starts_with("slopes"));
+        assert!(is_of_slopes || !window.shows("Apply slopes"), "{what}: a verdict on slopes that the step set");
         let task = step.task.as_ref().expect("something to try");
         fulfil(&mut window, &task.goal);
         window.settle();

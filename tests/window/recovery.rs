@@ -56,8 +56,12 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     drop(next);
     let next = keeping(&folder, Start::nothing_open()).open();
     assert!(next.shows(OFFER));
-    // Unanswered, it is offered again.
+    // Unanswered, it is offered again, and asked about later too.
     end_in_the_ordinary_way(next);
+    let mut later = keeping(&folder, Start::nothing_open()).open();
+    later.click("Later").settle();
+    assert!(!later.shows(OFFER) && sessions(&folder).len() == 1);
+    end_in_the_ordinary_way(later);
     let mut last = keeping(&folder, Start::nothing_open()).open();
     last.click("Discard…").settle();
     assert!(last.shows(OFFER) && last.shows("Delete the saved session?"), "nothing is deleted unasked");

@@ -262,6 +262,29 @@ fn the_ends_of_the_range_are_dragged_below_the_slider() {
 }
 
 #[test]
+fn the_ends_of_a_range_far_from_0_lie_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Start::at_slopes(&fast(folder.path()), SlopeGrid::line(-4.95..=-3.15, 10)).open();
+    let x = |name| window.harness.get_by_role_and_label(Role::Slider, name).rect().center().x;
+    assert!(x("Range end u") - x("Range start u") > 60.0);
+    assert_eq!(window.document().cursor().slope.u, 0.0, "a slope beyond the slider is shown all the same");
+    window.slide("Slope u", -4.0);
+    assert_eq!(window.document().cursor().slope.u, -4.0);
+}
+
+#[test]
+fn where_too_little_is_seen_the_verdict_has_the_number_that_noise_gives() {
+    let (_folder, path) = folder_with("noise.npy");
+    let mut stream = Stream::new(1, 0);
+    let noise = ndarray::Array3::from_shape_simple_fn((9, 300, 400), || 0.2 + 0.05 * stream.normal() as f32);
+    ndarray_npy::write_npy(&path, &noise).unwrap();
+    let mut window = Start::at_slopes(&path, SlopeGrid::line(-2.0..=2.0, 11)).open();
+    window.change(|document| document.params.noise_gate = NoiseGate::Factor(3.8)).run_action("detect").settle();
+    let decoys = window.read().decoys().expect("unasked").report.expected_words();
+    assert!(window.shows("show too little to judge the slopes") && window.shows(&decoys), "{decoys}");
+}
+
+#[test]
 fn a_plane_of_slopes_has_cells() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
     look_at_slopes(&mut window);

@@ -22,6 +22,7 @@ use egui::{
 // Minimum widths of headers, in points: on one line (others have the links on a second one), with range and zoom, and
 // with split buttons (others have them in the menu only).
 const ONE_LINE: f32 = 440.0;
+const ROOM_FOR_WORDS: f32 = 300.0;
 const ROOM_FOR_NUMBERS: f32 = 560.0;
 const ROOM_FOR_SPLITS: f32 = 190.0;
 // The same of a single pane, whose header has no links: with range and zoom, with the features' switch, with all.
@@ -50,7 +51,7 @@ pub fn header_ui(
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 buttons_ui(ui, model, id, width, queue);
                 if many && width >= ONE_LINE {
-                    links_ui(ui, model, id, true, queue);
+                    links_ui(ui, model, id, true, width, queue);
                     // Keeps the links apart from the numbers.
                     ui.add_space(4.0);
                 }
@@ -76,7 +77,7 @@ pub fn header_ui(
         if many && width < ONE_LINE {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 2.0;
-                links_ui(ui, model, id, false, queue);
+                links_ui(ui, model, id, false, width, queue);
                 filter_chip_ui(ui, model, id, width, queue);
                 if !is_slice {
                     drawn_ui(ui, model, id, widgets, false, queue);
@@ -210,8 +211,9 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidget
     }
 }
 
-/// Draws a switch for each link. From the right end of a line they are drawn in reverse, so that their order stays.
-fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, from_the_right: bool, queue: &mut Queue) {
+/// Draws a switch for each link, in a very narrow pane by the word's first letter. From the right end of a line they
+/// are drawn in reverse, so that their order stays.
+fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, from_the_right: bool, width: f32, queue: &mut Queue) {
     let number = model.document.panes.number(id).unwrap_or(0);
     let mut links = Link::ALL;
     if from_the_right {
@@ -221,7 +223,7 @@ fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, from_the_right: bool, queu
         let on = model.document.panes.has_link(id, link);
         let [label, help] = link.words();
         let word = capitalised(label.trim_start_matches("Link "));
-        let text = RichText::new(if from_the_right { &word } else { &word[..1] }).small();
+        let text = RichText::new(if width >= ROOM_FOR_WORDS { &word } else { &word[..1] }).small();
         let button = Button::selectable(on, text).min_size(vec2(16.0, 16.0));
         ui.spacing_mut().button_padding = vec2(3.0, 0.0);
         let response = ui.add(button).on_hover_text(format!("{label}: {help}"));

@@ -11,7 +11,7 @@ use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeGrid};
 use crate::inspect::slopes::features_at_slopes;
-use egui::{CursorIcon, Id, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{CursorIcon, Id, Rangef, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
 pub fn cursor_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Cursor", |ui| {
@@ -84,9 +84,9 @@ fn slope_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let rows_ui = |ui: &mut Ui| {
         for (second, (label, way, component, marks)) in [false, true].into_iter().zip(rows) {
             let help = &format!("Apparent motion {way}, px/frame. Marks: slopes of the grid; others can be shown too");
-            let slides = strip == Some(second);
+            let slides = (strip == Some(second)).then(|| slider_range(&grid, second));
             CursorRow { label, help, range: -limit..=limit, marks: &marks, whole: false, slides }.ui(ui, component);
-            if slides {
+            if strip == Some(second) {
                 strip_ui(ui, model, second, queue);
             }
         }
@@ -96,6 +96,13 @@ fn slope_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         None => _ = ui.horizontal(rows_ui),
     }
     queue.set(&before, slope, |slope| Action::SetSlope(model.document.focus(), slope));
+}
+
+/// Slopes that the slider of an axis of `grid` reaches: those of a range far from 0 alone, so that its ends lie apart.
+fn slider_range(grid: &SlopeGrid, second: bool) -> Rangef {
+    let SlopeAxis { min, max, .. } = if second { grid.v } else { grid.u };
+    let (limit, around) = (slope_limit(grid), Rangef::new(min, max).expand(0.5 * (max - min)));
+    if around.contains(0.0) || min == max { Rangef::new(-limit, limit) } else { around }
 }
 
 fn buttons_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
@@ -202,8 +209,8 @@ pub fn strip_ui(ui: &mut Ui, model: Read<'_>, second: bool, queue: &mut Queue) {
     let ends_id = ui.scope_id().with(("range ends", second));
     // While an end is dragged the slider keeps its scale, or the end would move away from the pointer.
     let dragged: Option<Drag> = ui.data(|data| data.get_temp(ends_id));
-    let limit = dragged.map_or_else(|| slope_limit(&grid), |drag| drag.limit);
-    let x_of = |slope: f32| egui::remap(slope, -limit..=limit, rect.x_range());
+    let range = dragged.map_or_else(|| slider_range(&grid, second), |drag| drag.range);
+    let x_of = |slope: f32| egui::remap(slope, range, rect.x_range());
     bars_ui(ui, model, second, rect, &x_of);
     let ends = [(axis.min, "Range start"), (axis.max, "Range end")];
     for (index, (value, name)) in ends.into_iter().enumerate() {
@@ -211,12 +218,12 @@ pub fn strip_ui(ui: &mut Ui, model: Read<'_>, second: bool, queue: &mut Queue) {
         let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(2.0 * REACH, rect.height()));
         let response = ui.interact(grip, ends_id.with(index), Sense::drag());
         if response.drag_started() {
-            ui.data_mut(|data| data.insert_temp(ends_id, Drag { limit, axis }));
+            ui.data_mut(|data| data.insert_temp(ends_id, Drag { range, axis }));
         }
         if response.dragged()
             && let (Some(drag), Some(delta)) = (ui.data(|d| d.get_temp::<Drag>(ends_id)), response.total_drag_delta())
         {
-            set_axis(model, second, moved(drag.axis, index == 1, delta.x * 2.0 * limit / rect.width()), queue);
+            set_axis(model, second, moved(drag.axis, index == 1, delta.x * range.span() / rect.width()), queue);
         }
         if response.drag_stopped() {
             ui.data_mut(|data| data.remove::<Drag>(ends_id));
@@ -236,7 +243,7 @@ pub fn strip_ui(ui: &mut Ui, model: Read<'_>, second: bool, queue: &mut Queue) {
 
 #[derive(Clone, Copy)]
 struct Drag {
-    limit: f32,
+    range: Rangef,
     axis: SlopeAxis,
 }
 

@@ -155,6 +155,7 @@ pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
         ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
         for (words, tip, chosen) in [
             ("Restore", "Open the saved session in place of what is open now", RecoveryChoice::Restore),
+            ("Later", "Offer it again at the next start", RecoveryChoice::Later),
             ("Discard…", "Delete the saved session; the files that it names stay", RecoveryChoice::Discard),
         ] {
             let button = ui.add_enabled(!offer.is_restoring, Button::new(words)).on_hover_text(tip);

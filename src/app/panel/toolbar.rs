@@ -71,8 +71,11 @@ fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let text = format!("{}{}", counted(model.features().len(), "feature"), in_time(found.elapsed));
         let times = &found.detection.times;
         let stages = format!(
-            "Noise {:.2} s, search {:.2} s, descriptors {:.2} s",
-            times.noise_secs, times.search_secs, times.describe_secs
+            "Of {}: one has a feature for each of its orientations\nNoise {:.2} s, search {:.2} s, descriptors {:.2} s",
+            counted(found.detection.tally.kept as usize, "keypoint"),
+            times.noise_secs,
+            times.search_secs,
+            times.describe_secs
         );
         ui.weak(text).on_hover_text(stages);
     }

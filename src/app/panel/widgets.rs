@@ -245,8 +245,8 @@ pub struct CursorRow<'a> {
     pub range: RangeInclusive<f32>,
     pub marks: &'a [f32],
     pub whole: bool,
-    /// Whether there is a slider beside the number.
-    pub slides: bool,
+    /// What the slider beside the number reaches; `None` for no slider.
+    pub slides: Option<egui::Rangef>,
 }
 
 const LABEL_WIDTH: f32 = 52.0;
@@ -254,7 +254,8 @@ const VALUE_WIDTH: f32 = 58.0;
 
 impl<'a> CursorRow<'a> {
     pub fn whole(label: &'a str, help: &'a str, range: RangeInclusive<f32>) -> Self {
-        Self { label, help, range, marks: &[], whole: true, slides: true }
+        let slides = Some(egui::Rangef::new(*range.start(), *range.end()));
+        Self { label, help, range, marks: &[], whole: true, slides }
     }
 
     /// Draws the row; returns whether `value` was changed.
@@ -268,14 +269,17 @@ impl<'a> CursorRow<'a> {
             let span = if enabled { self.range.clone() } else { low..=low + 1.0 };
             ui.spacing_mut().slider_width = (ui.available_width() - VALUE_WIDTH - 10.0).max(40.0);
             ui.add_enabled_ui(enabled, |ui| {
-                if self.slides {
+                if let Some(slides) = self.slides {
                     let step = if self.whole { 1.0 } else { 0.0 };
-                    let slider = egui::Slider::new(value, span.clone()).show_value(false).step_by(step);
+                    let reached = if enabled { slides.into() } else { span.clone() };
+                    // A value beyond is shown at the end, and stays until the slider is moved.
+                    let slider = egui::Slider::new(value, reached.clone()).show_value(false).step_by(step);
+                    let slider = slider.clamping(egui::SliderClamping::Edits);
                     let slider = hint(ui.add(slider).labelled_by(label.id), self.help);
                     let notches = if enabled { wheel_over(ui, &slider) } else { 0 };
                     *value = wheeled(*value, notches, self.marks, if self.whole { 1.0 } else { 0.01 * (high - low) })
                         .clamp(low, high.max(low));
-                    marks_ui(ui, slider.rect, &span, self.marks);
+                    marks_ui(ui, slider.rect, &reached, self.marks);
                 }
                 let speed = if self.whole { 0.05 } else { f64::from(high - low) / 600.0 };
                 let mut field = egui::DragValue::new(value).range(span).speed(speed);

@@ -40,6 +40,8 @@ pub struct Offer {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecoveryChoice {
     Restore,
+    /// Offer it again at the next start.
+    Later,
     /// Ask whether to remove it.
     Discard,
     Remove,
@@ -142,6 +144,8 @@ impl Recovery {
         self.is_asking = choice == RecoveryChoice::Discard;
         match choice {
             RecoveryChoice::Discard | RecoveryChoice::Keep => {}
+            // Files and the other windows' turn at them stay; this window has no more to do with them.
+            RecoveryChoice::Later => self.left.clear(),
             RecoveryChoice::Remove => {
                 self.forget();
                 messages.note("Removed the saved session");

@@ -45,13 +45,20 @@ impl<'a> Read<'a> {
         self.wanted_candidates().filter(|_| is_time && self.survey().is_none())
     }
 
-    /// Decoys that were asked for, or by which features are filtered that only real things should pass, unless the
-    /// detection took long. Unlike the others they go on while another workspace is open.
+    /// Decoys that were asked for; unless the detection took long also those by which features are filtered that only
+    /// real things should pass, and where too little is seen to judge the slopes. Unlike the others they go on while
+    /// another workspace is open.
     pub fn missing_decoys(self) -> Option<ExplainRequest> {
         let is_current = self.stale().is_none() && !self.results.slots.a.detecting.is_pending();
         let request = self.decoys_request().filter(|_| is_current && self.decoys().is_none())?;
-        let by_filter = self.document.filter.verdict.is_some() && !self.slopes_take_long();
-        (by_filter || self.has_asked_for_decoys(&request)).then_some(request)
+        let by_filter = self.document.filter.verdict.is_some() || self.shows_too_little();
+        (by_filter && !self.slopes_take_long() || self.has_asked_for_decoys(&request)).then_some(request)
+    }
+
+    /// Whether the frames were looked at and leave open if the slopes fit, while features were found.
+    fn shows_too_little(self) -> bool {
+        let judgement = self.spectrum().and_then(|spectrum| spectrum.judgement.as_ref());
+        !self.features().is_empty() && judgement.is_some_and(|judgement| !judgement.fits && judgement.advice.is_none())
     }
 
     pub fn has_asked_for_decoys(self, request: &ExplainRequest) -> bool {

@@ -35,9 +35,11 @@ impl ParamChange {
         format!("--{} {}", self.parameter.name, self.value)
     }
 
-    /// Text with the parameter's label in the window.
+    /// Text with the parameter's label in the window, where numbers have a sign of minus.
     pub fn label(&self) -> String {
-        format!("{} {}", self.parameter.label, self.value)
+        let is_word = self.value.contains(char::is_alphabetic);
+        let value = if is_word { self.value.clone() } else { self.value.replace('-', "−") };
+        format!("{} {value}", self.parameter.label)
     }
 
     /// Applies this change to `params` and checks the result.

@@ -433,12 +433,13 @@ pub struct SlopeFinding {
     pub spectrum: SlopeSpectrum,
 }
 
-/// Text of a grid, as the options of the command line take it.
+/// Text of a grid for sentences, with the ends that options of commands take.
 pub fn grid_text(grid: &SlopeGrid) -> String {
-    let direction = if grid.direction_deg == 0.0 { String::new() } else { format!(" at {}°", grid.direction_deg) };
-    match (grid.u.count, grid.v.count) {
-        (1, 1) => format!("slope {}, {}", grid.u.value(0.0), grid.v.value(0.0)),
-        (_, 1) => format!("{}{direction}", grid.u),
-        _ => format!("u {}, v {}{direction}", grid.u, grid.v),
-    }
+    let axis = |(second, SlopeAxis { min, max, count }): (bool, SlopeAxis)| {
+        format!("{} {min} to {max} in {count} slopes", if second { "v" } else { "u" })
+    };
+    let turned = if grid.direction_deg == 0.0 { "" } else { &format!(", turned by {}°", grid.direction_deg) };
+    let axes = grid.axes().map(axis).collect::<Vec<String>>().join(", ") + turned;
+    let Slope { u, v } = grid.slope(0);
+    if grid.len() == 1 { format!("slope {u}, {v}") } else { axes }.replace('-', "−")
 }

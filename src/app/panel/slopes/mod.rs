@@ -11,9 +11,10 @@ use crate::app::results::{FoundFeatures, Read};
 use crate::app::style;
 use crate::burst::OpenOptions;
 use crate::detector::advice::grouped;
-use crate::detector::{Method, SlopeAxis, SlopeFinding, SlopeVerdict};
+use crate::detector::slopes::grid_text;
+use crate::detector::{Method, SlopeFinding, SlopeVerdict};
 use crate::inspect::slopes::{SlopeAdvice, SlopeJudgement, Spectrum};
-use crate::inspect::words::{counted, number as in_words};
+use crate::inspect::words::counted;
 use crate::teach::BottomTab;
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
@@ -71,7 +72,7 @@ fn waiting_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &Arc<Spectrum>, queue: &mut Queue) {
     ScrollArea::vertical().auto_shrink(false).id_salt("slope advice").show(ui, |ui| {
         if let Some(judgement) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
-            faultless_ui(ui, judgement, "");
+            faultless_ui(ui, model, judgement, "");
         }
         for (index, advice) in spectrum.advice.iter().enumerate() {
             let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
@@ -85,10 +86,13 @@ fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &Arc<Spectrum>, queue:
     });
 }
 
-/// Draws a judgement without a fault and what follows it, in the colour of success only if the slopes fit.
-fn faultless_ui(ui: &mut Ui, judgement: &SlopeJudgement, then: &str) {
+/// Draws a judgement without a fault and what follows it, in the colour of success only if the slopes fit; otherwise
+/// with the number of features that noise would give, once decoys are known.
+fn faultless_ui(ui: &mut Ui, model: Read<'_>, judgement: &SlopeJudgement, then: &str) {
     let colour = if judgement.fits { style::good(ui) } else { style::warning(ui) };
-    let text = RichText::new(sentence_of(&format!("{}{then}", judgement.sentence))).color(colour);
+    let decoys = model.decoys().filter(|_| !judgement.fits);
+    let of_noise = decoys.map_or_else(String::new, |decoys| format!("; {}", decoys.report.expected_words()));
+    let text = RichText::new(sentence_of(&format!("{}{of_noise}{then}", judgement.sentence))).color(colour);
     ui.add(Label::new(text).wrap());
 }
 
@@ -98,46 +102,29 @@ fn sentence_of(clause: &str) -> String {
 
 fn piece_ui(ui: &mut Ui, model: Read<'_>, name: &str, advice: &SlopeAdvice, queue: &mut Queue) {
     warning_ui(ui, sentence_of(&advice.sentence));
+    let times = advice.times.iter().map(|times| format!("Times {times}"));
+    let changes = advice.changes.iter().map(|change| change.label()).chain(times).collect::<Vec<_>>().join(", ");
     if !advice.options().is_empty() {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
-            apply_ui(ui, model, name, advice, queue);
-            ui.label(RichText::new(changes_of(advice)).monospace());
+            let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply"));
+            named(&button, egui::Role::Button, name);
+            if button.on_hover_text(format!("Set {changes}; Ctrl+Z undoes it")).clicked() {
+                queue.push(match advice.times.clone() {
+                    None => Action::ApplyChanges(Side::A, advice.changes.clone()),
+                    times => Action::Calibrate(OpenOptions { times, ..model.document.calibration.clone() }),
+                });
+            }
+            ui.label(RichText::new(changes).monospace());
         });
     }
     ui.add_space(6.0);
 }
 
-fn changes_of(advice: &SlopeAdvice) -> String {
-    let times = advice.times.iter().map(|times| format!("Times {times}"));
-    advice.changes.iter().map(|change| change.label()).chain(times).collect::<Vec<_>>().join(", ")
-}
-
-fn apply_ui(ui: &mut Ui, model: Read<'_>, name: &str, advice: &SlopeAdvice, queue: &mut Queue) {
-    let changes = changes_of(advice);
-    let tip = format!("Set {changes}; Ctrl+Z undoes it");
-    let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply")).on_hover_text(tip);
-    named(&button, egui::Role::Button, name);
-    if button.clicked() {
-        queue.push(match &advice.times {
-            None => Action::ApplyChanges(Side::A, advice.changes.clone()),
-            times => Action::Calibrate(OpenOptions { times: times.clone(), ..model.document.calibration.clone() }),
-        });
-    }
-}
-
 /// Slopes that were found from the frames, a clause; `None` where none were, or the finding says that something is odd.
 pub fn found_words(finding: &SlopeFinding) -> Option<String> {
-    let axis = |name: &str, axis: &SlopeAxis| {
-        let [min, max] = [axis.min, axis.max].map(|end| in_words(end, 3));
-        (axis.count > 1).then(|| format!("{name} {min} to {max} in {} slopes", axis.count))
-    };
-    let grid = &finding.grid;
-    let axes: Vec<String> = [axis("u", &grid.u), axis("v", &grid.v)].into_iter().flatten().collect();
-    let turned =
-        if grid.direction_deg == 0.0 { String::new() } else { format!(", turned by {}°", grid.direction_deg) };
     let is_plain = finding.verdict == SlopeVerdict::Found && finding.warnings.is_empty();
-    is_plain.then(|| format!("found: {}{turned}", axes.join(", ")))
+    is_plain.then(|| format!("found: {}", grid_text(&finding.grid)))
 }
 
 /// Draws the verdict on the search, below the parameters of *One burst*: why there are few features, or whether the
@@ -158,7 +145,7 @@ pub fn verdict_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             advice_ui(ui, model, advice, queue);
         }
         if let Some(judgement) = judgement.filter(|judgement| judgement.advice.is_none()) {
-            faultless_ui(ui, judgement, &found.map_or_else(String::new, |found| format!("; {found}")));
+            faultless_ui(ui, model, judgement, &found.map_or_else(String::new, |found| format!("; {found}")));
             return;
         }
         // Without features it comes second; the tab has it.
