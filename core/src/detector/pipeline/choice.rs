@@ -1,8 +1,8 @@
 //! Choice of features: of the keypoints on one blob the strongest, and of their features the strongest.
 //!
 //! Only what can be kept is computed: where the number of features is limited, keypoints are taken from the strongest
-//! to the weakest, as many at a time as features are missing, until the next is weaker than all features. A feature has
-//! the strength of its keypoint, so the result is that of describing all and keeping the strongest.
+//! to the weakest, as many at a time as give the missing features, until the next is weaker than all features. A feature
+//! has the strength of its keypoint, so the result is that of describing all and keeping the strongest.
 
 use crate::detector::along::Along;
 use crate::detector::coherence::Shape;
@@ -48,7 +48,7 @@ impl Choice {
 }
 
 /// Smallest number of keypoints that are compared at a time.
-const FEWEST: usize = 256;
+const FEWEST: usize = 128;
 
 pub(super) struct Chooser<'a> {
     pub(super) search: &'a Search<'a>,
@@ -91,10 +91,12 @@ impl Chooser<'_> {
             if left.is_empty() || missing == 0 {
                 break;
             }
-            // Each pass decides only as many keypoints as features are missing: describing is the costly step.
+            // Each pass decides only as many keypoints as have the missing features: describing is the costly step. Six
+            // features for five keypoints are usual, as some have several orientations.
+            let wanted = if weakest.is_none() { missing - missing / 6 } else { missing };
             let mut distinct: Vec<usize> = Vec::new();
-            while distinct.len() < missing && !left.is_empty() {
-                let (next, after) = left.split_at((missing - distinct.len()).max(FEWEST).min(left.len()));
+            while distinct.len() < wanted && !left.is_empty() {
+                let (next, after) = left.split_at((wanted - distinct.len()).max(FEWEST).min(left.len()));
                 left = after;
                 let started = Instant::now();
                 if let Some(deciding) = &mut deciding {
