@@ -6,7 +6,7 @@
 
 use crate::detector::along::Along;
 use crate::detector::coherence::Shape;
-use crate::detector::describe::Described;
+use crate::detector::describe::{Described, place_order};
 use crate::detector::distinct::{Blob, Deciding, Rule};
 use crate::detector::feature::{DEFINED_SIGMA, Feature, Keypoint, Moves, Tally, Test};
 use crate::detector::params::Distinct;
@@ -161,7 +161,10 @@ impl Chooser<'_> {
         // Without evidence the slope is somewhere in the grid: the deviation of a uniform distribution.
         let widest = [grid.u, grid.v].map(|axis| axis.max - axis.min + axis.step()).into_iter().fold(0.0, f32::max);
         let least_known = widest / 12f32.sqrt();
-        found.par_iter_mut().try_for_each(|one| {
+        // Frames are read at each place: neighbours share the pixels that are in the cache.
+        let mut order: Vec<&mut Described> = found.iter_mut().collect();
+        order.sort_by_cached_key(|one| place_order(one.feature.octave, one.feature.u, one.feature.v));
+        order.into_par_iter().try_for_each(|one| {
             self.search.monitor.check()?;
             let number = self.passing.numbers[one.keypoint] as usize;
             let rises = self.outcome.rises[number].get_or_init(|| self.along.rises(&one.feature));
