@@ -1,8 +1,8 @@
 //! Choice of features: of the keypoints on one blob the strongest, and of their features the strongest.
 //!
 //! Only what can be kept is computed: where the number of features is limited, keypoints are taken from the strongest
-//! to the weakest, as many at a time as give the missing features, until the next is weaker than all features. A feature
-//! has the strength of its keypoint, so the result is that of describing all and keeping the strongest.
+//! to the weakest, as many at a time as give the missing features, until the next is weaker than all features. A
+//! feature has the strength of its keypoint, so the result is that of describing all and keeping the strongest.
 
 use crate::detector::along::Along;
 use crate::detector::coherence::Shape;
