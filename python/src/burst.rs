@@ -240,7 +240,7 @@ impl RawBurst {
     /// Frame `t` as a new array, NaN where it is masked.
     fn seen<'py>(&self, py: Python<'py>, t: usize) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let frame = &self.burst.frames[t];
-        array_of(py, Plane::from_vec(frame.width(), frame.height(), frame.seen_values()))
+        array_of(py, Plane::from_vec(frame.width(), frame.height(), frame.seen_values().into_owned()))
     }
 
     /// Addresses of the frames' pixels in memory.

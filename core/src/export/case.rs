@@ -177,9 +177,7 @@ impl Case {
 /// Offset and scale of words: those of 8 and 16-bit files or of the full scale if exact, else the files' steps.
 fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
     // Values below masks are filled, and need not be exact.
-    let seen = |frame: &Arc<Plane>| frame.mask().map(|_| Cow::Owned(frame.seen_values()));
-    let values: Vec<Cow<'_, [f32]>> =
-        burst.frames.iter().map(|frame| seen(frame).unwrap_or(Cow::Borrowed(frame.data()))).collect();
+    let values: Vec<Cow<'_, [f32]>> = burst.frames.iter().map(|frame| frame.seen_values()).collect();
     let rows = || values.iter().flat_map(|values| values.chunks(burst.size().0.max(1)));
     let all = |test: &dyn Fn(f32) -> bool| -> Result<bool, Cancelled> {
         for row in rows() {

@@ -21,8 +21,8 @@ pub type Jet = [[f64; ORDERS]; ORDERS];
 #[derive(Debug, Default)]
 pub struct JetPixels {
     lines: Vec<f32>,
-    along_u: Vec<f32>,
-    along_v: Vec<f32>,
+    /// Weights of columns for both Gaussians, then those of rows.
+    along: [Vec<f32>; 4],
     wider: Vec<f32>,
     stride: usize,
     first: (i64, i64),
@@ -44,14 +44,16 @@ impl JetPixels {
 
     /// Jets at the place (x, y) of the image under sampled Gaussians of the two `variances`, square pixels.
     pub fn jets(&mut self, (x, y): (f64, f64), variances: [f64; 2]) -> [Jet; 2] {
-        let Self { lines, along_u, along_v, wider, stride, first } = self;
-        for (along, d) in [(&mut *along_u, first.0 as f64 - x), (&mut *along_v, first.1 as f64 - y)] {
-            along.resize(WEIGHTS * *stride, 0.0);
-            for (of_one, variance) in along.chunks_exact_mut(ORDERS * *stride).zip(variances) {
-                weights(variance, d, *stride, of_one, wider);
-            }
+        let Self { lines, along, wider, stride, first } = self;
+        let (du, dv) = (first.0 as f64 - x, first.1 as f64 - y);
+        let [one, other] = variances;
+        let gaussians = [(one, du), (other, du), (one, dv), (other, dv)];
+        along.iter_mut().for_each(|along| along.resize(ORDERS * *stride, 0.0));
+        samples(gaussians, along.each_mut().map(|along| &mut along[..*stride]));
+        for (along, (variance, d)) in along.iter_mut().zip(gaussians) {
+            weights(variance, d, *stride, along, wider);
         }
-        sums(lines, along_u, along_v, *stride).map(|terms| {
+        sums(lines, along, *stride).map(|terms| {
             let mut terms = terms.into_iter().map(f64::from);
             let mut jet = [[0.0; ORDERS]; ORDERS];
             for (p, row) in jet.iter_mut().enumerate() {
@@ -67,14 +69,16 @@ const MIN_SAMPLED_VARIANCE: f64 = 1.2;
 /// Terms by which a sampled Gaussian is made as sharp as a narrower one, beside itself.
 const SHARPENING: usize = 4;
 
-/// Writes the derivatives of a Gaussian of `variance` at `stride` whole distances from `d` on, order after order. A
-/// Gaussian too narrow to be sampled is a wider one sharpened by exp(−c/2·∂²), c being the difference of the variances.
+/// Writes the derivatives of a Gaussian of `variance` at `stride` whole distances from `d` on, order after order; `out`
+/// begins with its samples. A Gaussian too narrow to be sampled is a wider one, whose samples these are, sharpened by
+/// exp(−c/2·∂²), c being the difference of the variances.
 fn weights(variance: f64, d: f64, stride: usize, out: &mut [f32], wider: &mut Vec<f32>) {
     let missing = MIN_SAMPLED_VARIANCE - variance;
     if missing <= 0.0 {
         return derivatives(variance, d, stride, out);
     }
     wider.resize((ORDERS + 2 * SHARPENING) * stride, 0.0);
+    wider[..stride].copy_from_slice(&out[..stride]);
     derivatives(MIN_SAMPLED_VARIANCE, d, stride, wider);
     for (order, out) in out.chunks_exact_mut(stride).enumerate() {
         out.copy_from_slice(&wider[order * stride..][..stride]);
@@ -88,19 +92,33 @@ fn weights(variance: f64, d: f64, stride: usize, out: &mut [f32], wider: &mut Ve
     }
 }
 
-/// Derivatives of a Gaussian of `variance` with respect to its centre: as many orders as `out` holds.
+/// Samples of Gaussians of a variance, at least [`MIN_SAMPLED_VARIANCE`], at whole distances from another on, side by
+/// side: alone each would wait for its sample before.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn samples(gaussians: [(f64, f64); 4], outs: [&mut [f32]; 4]) {
+    // Each sample is the one before times a ratio that itself falls by a constant ratio.
+    let [mut value, mut ratio, mut fall] = [[0.0f64; 4]; 3];
+    for (k, (variance, d)) in gaussians.into_iter().enumerate() {
+        let variance = variance.max(MIN_SAMPLED_VARIANCE);
+        let inverse = 1.0 / variance;
+        value[k] = (-0.5 * d * d * inverse).exp() / (2.0 * std::f64::consts::PI * variance).sqrt();
+        (ratio[k], fall[k]) = ((-(d + 0.5) * inverse).exp(), (-inverse).exp());
+    }
+    let count = outs[0].len();
+    let outs = outs.map(|out| &mut out[..count]);
+    for i in 0..count {
+        for k in 0..4 {
+            outs[k][i] = value[k] as f32;
+            value[k] *= ratio[k];
+            ratio[k] *= fall[k];
+        }
+    }
+}
+
+/// Derivatives of a Gaussian of `variance` with respect to its centre, as many orders as `out` holds, from its samples.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn derivatives(variance: f64, d: f64, stride: usize, out: &mut [f32]) {
     let inverse = 1.0 / variance;
-    // Each sample is the one before times a ratio that itself falls by a constant ratio.
-    let mut value = (-0.5 * d * d * inverse).exp() / (2.0 * std::f64::consts::PI * variance).sqrt();
-    let mut ratio = (-(d + 0.5) * inverse).exp();
-    let fall = (-inverse).exp();
-    for out in &mut out[..stride] {
-        *out = value as f32;
-        value *= ratio;
-        ratio *= fall;
-    }
     let (first, step) = ((d * inverse) as f32, inverse as f32);
     // The recursion of the Hermite polynomials.
     for order in 1..out.len() / stride {
@@ -114,17 +132,20 @@ fn derivatives(variance: f64, d: f64, stride: usize, out: &mut [f32]) {
     }
 }
 
-/// The sums of `lines`, rows of `stride` pixels, under the products of the weights of columns and of rows.
+/// The sums of `lines`, rows of `stride` pixels, under the products of the weights `along` columns and rows.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize) -> [[f32; TERMS]; 2] {
+fn sums(lines: &[f32], along: &[Vec<f32>; 4], stride: usize) -> [[f32; TERMS]; 2] {
     let mut totals = [[[0.0f32; LANES]; TERMS]; 2];
+    // Slices as long as the loop need no checks in it, and leave the sums in registers.
+    let rows = lines.len() / stride;
+    let along_v: [&[f32]; WEIGHTS] = std::array::from_fn(|i| &along[2 + i / ORDERS][i % ORDERS * stride..][..rows]);
     for start in (0..stride).step_by(LANES) {
         let mut acc = [[0.0f32; LANES]; WEIGHTS];
-        for (v, line) in lines.chunks_exact(stride).enumerate() {
+        for (v, line) in (0..rows).zip(lines.chunks_exact(stride)) {
             let pixels: &[f32; LANES] = line[start..][..LANES].try_into().expect("a whole vector");
-            for (acc, weight) in acc.iter_mut().zip(along_v[v..].iter().step_by(stride)) {
+            for order in 0..WEIGHTS {
                 for l in 0..LANES {
-                    acc[l] = weight.mul_add(pixels[l], acc[l]);
+                    acc[order][l] = along_v[order][v].mul_add(pixels[l], acc[order][l]);
                 }
             }
         }
@@ -133,7 +154,7 @@ fn sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize) -> [[f32
             let mut term = 0;
             for p in 0..ORDERS {
                 let weights: &[f32; LANES] =
-                    along_u[(g * ORDERS + p) * stride + start..][..LANES].try_into().expect("a whole vector");
+                    along[g][p * stride + start..][..LANES].try_into().expect("a whole vector");
                 for acc in &acc[g * ORDERS..(g + 1) * ORDERS - p] {
                     for l in 0..LANES {
                         totals[term][l] = weights[l].mul_add(acc[l], totals[term][l]);

@@ -29,7 +29,7 @@ pub(crate) const STACKED_SLOPES: usize = 16;
 /// Rows that are stacked together: those of all frames, mixed for a row of a grid, stay in the second cache.
 pub(crate) const STACKED_ROWS: usize = 16;
 /// Width of the strips in which keypoints are described, columns: the pixels they share stay in the cache.
-pub(crate) const STRIP_COLUMNS: f32 = 200.0;
+pub(crate) const STRIP_COLUMNS: f32 = 100.0;
 /// Keypoints described by a thread before it takes new work.
 pub(crate) const KEYPOINTS_TOGETHER: usize = 32;
 

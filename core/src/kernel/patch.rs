@@ -8,7 +8,7 @@
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};
 use crate::kernel::stack::{FrameOffset, RowStacker, Tap, WeightedRows};
-use crate::plane::{Plane, blur::GaussianKernel, memory::Aligned};
+use crate::plane::{Plane, blur::GaussianKernel, halve_pair, memory::Aligned};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -146,10 +146,7 @@ impl Patch {
         self.reset(half(fine.columns()), half(fine.rows()));
         let left = 2 * self.columns.start;
         for v in self.rows() {
-            let (upper, lower) = (fine.values(left, 2 * v), fine.values(left, 2 * v + 1));
-            for ((out, a), b) in self.row_mut(v).iter_mut().zip(upper.chunks_exact(2)).zip(lower.chunks_exact(2)) {
-                *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
-            }
+            halve_pair(fine.values(left, 2 * v), fine.values(left, 2 * v + 1), self.row_mut(v));
         }
     }
 

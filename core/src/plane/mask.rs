@@ -7,6 +7,7 @@
 use super::Plane;
 use super::sample::bilinear;
 use super::statistics::Region;
+use std::borrow::Cow;
 use std::ops::{Add, Range};
 use std::sync::Arc;
 
@@ -123,13 +124,10 @@ impl Plane {
     }
 
     /// Values of the samples, row by row, NaN where masked.
-    pub fn seen_values(&self) -> Vec<f32> {
-        let mut values = self.data().to_vec();
-        if let Some(mask) = &self.mask {
-            let hidden = values.iter_mut().zip(mask.weights.data()).filter(|(_, weight)| **weight < SEEN);
-            hidden.for_each(|(value, _)| *value = f32::NAN);
-        }
-        values
+    pub fn seen_values(&self) -> Cow<'_, [f32]> {
+        let Some(mask) = &self.mask else { return Cow::Borrowed(self.data()) };
+        let seen = |(value, weight): (&f32, &f32)| if *weight < SEEN { f32::NAN } else { *value };
+        self.data().iter().zip(mask.weights.data()).map(seen).collect()
     }
 
     pub(crate) fn with_mask(self, mask: Option<Arc<Mask>>) -> Self {

@@ -12,6 +12,7 @@ pub mod statistics;
 pub(crate) mod tile;
 
 pub use mask::Mask;
+use multiversion::multiversion;
 use std::sync::Arc;
 
 /// Float image, row-major, without padding between rows; of a frame, with a mask of the seen samples.
@@ -124,12 +125,18 @@ impl Plane {
     pub(crate) fn halved(&self) -> Self {
         let mut out = Self::zeros(self.width() / 2, self.height() / 2);
         for v in 0..out.height() {
-            let (upper, lower) = (self.row(2 * v), self.row(2 * v + 1));
-            for ((out, a), b) in out.row_mut(v).iter_mut().zip(upper.chunks_exact(2)).zip(lower.chunks_exact(2)) {
-                *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
-            }
+            halve_pair(self.row(2 * v), self.row(2 * v + 1), out.row_mut(v));
         }
         out.with_mask(self.mask.as_ref().and_then(|mask| Mask::new(mask.weights().halved())))
+    }
+}
+
+/// Writes the means over squares of 2×2 pixels of two rows to `out`, as many as it holds.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+pub(crate) fn halve_pair(upper: &[f32], lower: &[f32], out: &mut [f32]) {
+    let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
+    for (out, (a, b)) in out.iter_mut().zip(pairs) {
+        *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
     }
 }
 

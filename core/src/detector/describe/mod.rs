@@ -27,6 +27,12 @@ pub(super) fn misaligned(px: f32, sigma_px: f32) -> bool {
     px > MISALIGNED_SIGMAS * sigma_px
 }
 
+/// Key of the place (`x`, `y`) in `octave` in an order in which neighbours share most of the pixels around them: by
+/// strips of columns, and down each of them.
+pub(super) fn place_order(octave: i32, x: f32, y: f32) -> (i32, i64, i64) {
+    (octave, (x / STRIP_COLUMNS) as i64, y as i64)
+}
+
 #[derive(Default)]
 pub(super) struct DescribeScratch {
     raw: Patch,
@@ -61,7 +67,8 @@ pub(super) struct Describing<'a> {
 impl Describing<'_> {
     /// Localises, orients and describes keypoints, numbered from `first`; the features' order depends on them alone.
     pub fn describe(&self, keypoints: &[Keypoint], first: usize) -> Result<Vec<Described>, Cancelled> {
-        let order = self.in_order(keypoints);
+        let mut order: Vec<(usize, &Keypoint)> = keypoints.iter().enumerate().collect();
+        order.sort_by_cached_key(|(_, one)| place_order(0, one.x, one.y));
         let from = self.search.space.sigma_before(self.octave);
         let kernels: Vec<GaussianKernel> =
             (0..self.search.space.levels as i32).map(|level| self.kernel(level, from)).collect();
@@ -78,14 +85,6 @@ impl Describing<'_> {
             })
             .collect::<Result<_, Cancelled>>()?;
         Ok(described.into_iter().flatten().collect())
-    }
-
-    /// The keypoints with their numbers, ordered so that consecutive ones lie close together.
-    fn in_order<'k>(&self, keypoints: &'k [Keypoint]) -> Vec<(usize, &'k Keypoint)> {
-        let mut order: Vec<(usize, &Keypoint)> = keypoints.iter().enumerate().collect();
-        let strip = |keypoint: &Keypoint| (keypoint.x / STRIP_COLUMNS) as i64;
-        order.sort_by(|(_, a), (_, b)| strip(a).cmp(&strip(b)).then(a.y.total_cmp(&b.y)).then(a.x.total_cmp(&b.x)));
-        order
     }
 
     /// Kernel from σ `from`, octave pixels, to Gaussian level `level`.

@@ -137,10 +137,11 @@ pub(super) fn swept(grid: &SlopeGrid, times: &FrameTimes, cell_px: usize) -> Slo
 /// Band of one frame, on cells that are means of `cell_px`² pixels; incomplete cells are dropped.
 fn band(frame: &Plane, cell_px: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let weight = 1.0 / (cell_px * cell_px) as f32;
-    let cells = Plane::from_fn(frame.width() / cell_px, frame.height() / cell_px, |i, j| {
-        let rows = (j * cell_px..(j + 1) * cell_px).map(|v| &frame.row(v)[i * cell_px..(i + 1) * cell_px]);
-        weight * rows.map(|row| row.iter().sum::<f32>()).sum::<f32>()
-    });
+    let mut cells = Plane::zeros(frame.width() / cell_px, frame.height() / cell_px);
+    for v in 0..cells.height() * cell_px {
+        add_parts(frame.row(v), cell_px, cells.row_mut(v / cell_px));
+    }
+    cells.data_mut().iter_mut().for_each(|sum| *sum *= weight);
     let [fine, coarse] = BAND_CELLS;
     let mut band = smoothed(&cells, fine, monitor)?;
     let coarse = smoothed(&cells, coarse, monitor)?;
@@ -217,6 +218,17 @@ pub(super) fn summed(nats: &Plane, by: usize) -> Plane {
     sums
 }
 
+/// Adds the sum of each `by` values of `row` to the `sums`, which may end before the row does.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn add_parts(row: &[f32], by: usize, sums: &mut [f32]) {
+    // As a constant, the usual number lets each lane of a vector take one sum.
+    let parts = if by == 4 { row.as_chunks::<4>().0 } else { &[] };
+    let whole = parts.len().min(sums.len());
+    sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part.iter().sum::<f32>());
+    let rest = sums[whole..].iter_mut().zip(row[whole * by..].chunks(by));
+    rest.for_each(|(sum, part)| *sum += part.iter().sum::<f32>());
+}
+
 /// Means of squares of `by`² cells, smaller ones at the right and lower edge.
 pub(super) fn means(plane: &Plane, by: usize) -> Plane {
     let (width, height) = plane.size();
@@ -224,9 +236,7 @@ pub(super) fn means(plane: &Plane, by: usize) -> Plane {
     for j in 0..means.height() {
         let rows = j * by..((j + 1) * by).min(height);
         let out = means.row_mut(j);
-        for v in rows.clone() {
-            out.iter_mut().zip(plane.row(v).chunks(by)).for_each(|(sum, cells)| *sum += cells.iter().sum::<f32>());
-        }
+        rows.clone().for_each(|v| add_parts(plane.row(v), by, out));
         let whole = (rows.len() * by) as f32;
         // The last column of cells may be narrower.
         let last = (rows.len() * (width - (out.len() - 1) * by)) as f32;

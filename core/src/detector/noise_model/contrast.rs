@@ -389,7 +389,7 @@ mod tests {
                 scene.at(u + by, v)
             })
         };
-        let frames: Vec<BoxPyramid> = (0..8).map(|t| BoxPyramid::new(&frame(t), 5)).collect();
+        let frames: Vec<BoxPyramid> = (0..8).map(|t| BoxPyramid::from_halved(frame(t).halved(), 5)).collect();
         let pyramids: Vec<&BoxPyramid> = frames.iter().collect();
         let at: Vec<Offset<f32>> = (0..8).map(|t| Offset::from(f64::from(t)).to_f32()).collect();
         let slopes: Vec<Slope> = SlopeGrid::plane(-3.0..=3.0, 7, -1.0..=1.0, 3).slopes().collect();

@@ -173,8 +173,8 @@ pub fn examine(
 fn bit_of(frames: &[Arc<Plane>], step: f32) -> Option<f32> {
     let mut bit = None;
     for frame in frames {
-        let mut set = frame.seen_values().into_iter().filter(|x| *x != 0.0 && !x.is_nan());
-        if set.any(|x| *bit.get_or_insert(x) != x) {
+        let values = frame.seen_values();
+        if values.iter().filter(|x| **x != 0.0 && !x.is_nan()).any(|x| *bit.get_or_insert(*x) != *x) {
             return None;
         }
     }

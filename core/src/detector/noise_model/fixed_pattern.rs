@@ -95,9 +95,6 @@ fn halves(frames: &[Lines]) -> [Lines; 2] {
 }
 
 fn stays(pyramids: &[BoxPyramid], hot: &[(usize, usize)]) -> bool {
-    if pyramids.iter().any(BoxPyramid::is_empty) {
-        return false;
-    }
     let (first, second) = pyramids.split_at(pyramids.len() / 2);
     let mean = |half: &[BoxPyramid]| {
         let mut sum = half[0].level(1).clone();

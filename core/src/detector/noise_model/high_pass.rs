@@ -7,8 +7,8 @@
 use super::contrast::{Contrast, shifts};
 use crate::burst::Offset;
 use crate::detector::params::Slope;
-use crate::plane::Plane;
 use crate::plane::tile::Region;
+use crate::plane::{Plane, halve_pair};
 use rayon::prelude::*;
 
 /// Side of a square, halved pixels.
@@ -210,13 +210,8 @@ fn around_square((u, v): (usize, usize)) -> Region {
 fn halved_patch(frame: &Plane, (u, v): (usize, usize)) -> Patch {
     let mut patch = Patch::default();
     for (y, out) in patch.iter_mut().enumerate() {
-        let row = |v: usize| -> &[f32; 2 * PATCH] {
-            frame.row(v)[u..u + 2 * PATCH].try_into().expect("as long as it is asked for")
-        };
-        let (upper, lower) = (row(v + 2 * y), row(v + 2 * y + 1));
-        for (i, out) in out.iter_mut().enumerate() {
-            *out = 0.25 * ((upper[2 * i] + upper[2 * i + 1]) + (lower[2 * i] + lower[2 * i + 1]));
-        }
+        let row = |v: usize| &frame.row(v)[u..u + 2 * PATCH];
+        halve_pair(row(v + 2 * y), row(v + 2 * y + 1), out);
     }
     patch
 }

@@ -2,7 +2,7 @@
 //! pixels and, for the sensor's pattern, the means of lines, and pixels that stand out of their row.
 
 use crate::monitor::{Cancelled, Monitor};
-use crate::plane::Plane;
+use crate::plane::{Plane, halve_pair};
 use multiversion::multiversion;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -65,7 +65,8 @@ impl Reading {
         let read = |(rows, mut halved): (Range<usize>, Vec<&mut [f32]>)| {
             monitor.check()?;
             for (frame, out) in frames.iter().zip(&mut halved).filter(|_| stands_out.is_none()) {
-                halve_rows(frame, rows.clone(), out);
+                let pairs = rows.clone().step_by(2).zip(out.chunks_exact_mut(width / 2));
+                pairs.for_each(|(v, out)| halve_pair(frame.row(v), frame.row(v + 1), out));
             }
             Ok(stands_out.map(|limit| Band::new(frames, rows, &mut halved, limit)))
         };
@@ -125,7 +126,7 @@ impl Band {
             if v % 2 == 1 {
                 let at = (v - rows.start) / 2 * (width / 2);
                 for (frame, out) in frames.iter().zip(halved.iter_mut()) {
-                    halve_rows(frame, v - 1..v + 1, &mut out[at..at + width / 2]);
+                    halve_pair(frame.row(v - 1), frame.row(v), &mut out[at..at + width / 2]);
                 }
             }
         }
@@ -192,15 +193,7 @@ pub struct BoxPyramid {
 }
 
 impl BoxPyramid {
-    /// The means over squares of 2¹ … 2^`count` pixels, as far as both sides hold a whole square.
-    #[cfg(test)]
-    pub fn new(frame: &Plane, count: usize) -> Self {
-        if count == 0 || frame.width() < 2 || frame.height() < 2 {
-            return Self { levels: Vec::new() };
-        }
-        Self::from_halved(frame.halved(), count)
-    }
-
+    /// The means over squares of 2¹ … 2^`count` pixels, as far as both sides hold a whole square; the `first` always.
     pub(super) fn from_halved(first: Plane, count: usize) -> Self {
         let coarser = |finer: &Plane| (finer.width() >= 2 && finer.height() >= 2).then(|| finer.halved());
         Self { levels: std::iter::successors(Some(first), coarser).take(count.max(1)).collect() }
@@ -213,26 +206,6 @@ impl BoxPyramid {
 
     pub fn len(&self) -> usize {
         self.levels.len()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.levels.is_empty()
-    }
-}
-
-/// Writes the means over squares of 2×2 pixels of some rows of `plane`, from an even one on, into whole rows of `out`.
-pub(super) fn halve_rows(plane: &Plane, rows: Range<usize>, out: &mut [f32]) {
-    for (i, out) in out.chunks_exact_mut((plane.width() / 2).max(1)).take(rows.len() / 2).enumerate() {
-        let v = rows.start + 2 * i;
-        halve_pair(plane.row(v), plane.row(v + 1), out);
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn halve_pair(upper: &[f32], lower: &[f32], out: &mut [f32]) {
-    let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
-    for (out, (a, b)) in out.iter_mut().zip(pairs) {
-        *out = 0.25 * ((a[0] + a[1]) + (b[0] + b[1]));
     }
 }
 
@@ -282,7 +255,7 @@ mod tests {
         assert_eq!(reading.standing_out, [(0, 3), (40, 40), (100, 74)]);
         let alone = Reading::new(&frames, 4, None, &Monitor::default()).expect("not cancelled");
         for ((pyramid, alone), frame) in reading.pyramids.iter().zip(&alone.pyramids).zip(&frames) {
-            assert_eq!(*pyramid, BoxPyramid::new(frame, 4));
+            assert_eq!(*pyramid, BoxPyramid::from_halved(frame.halved(), 4));
             assert_eq!(pyramid, alone);
         }
         for (t, frame) in frames.iter().enumerate() {
@@ -300,10 +273,10 @@ mod tests {
 
     #[test]
     fn a_ramp_is_sampled_as_it_is_and_levels_end_where_no_square_fits() {
-        let small = BoxPyramid::new(&Plane::zeros(13, 9), 9);
+        let small = BoxPyramid::from_halved(Plane::zeros(6, 4), 9);
         assert_eq!((small.len(), small.level(1).size(), small.level(7).size()), (3, (6, 4), (1, 1)));
         let frame = Plane::from_fn(64, 48, |u, v| u as f32 + 2.0 * v as f32);
-        let pyramid = BoxPyramid::new(&frame, 3);
+        let pyramid = BoxPyramid::from_halved(frame.halved(), 3);
         for (u, v) in [(20.0, 11.0), (3.5, 3.5), (41.25, 30.0)] {
             assert!((sample_at(pyramid.level(3), 8.0, u, v) - (u + 2.0 * v)).abs() < 1e-3);
         }

@@ -369,7 +369,7 @@ mod tests {
         octaves: Range<i32>,
         slopes: SlopeGrid,
     ) -> Vec<Vec<LevelNoise>> {
-        let pyramids: Vec<BoxPyramid> = frames.iter().map(|f| BoxPyramid::new(f, 6)).collect();
+        let pyramids: Vec<BoxPyramid> = frames.iter().map(|f| BoxPyramid::from_halved(f.halved(), 6)).collect();
         let pyramids: Vec<&BoxPyramid> = pyramids.iter().collect();
         let frames: Vec<&Plane> = frames.iter().map(|f| &**f).collect();
         let at: Vec<Offset<f32>> = (0..frames.len()).map(|t| Offset::from(t as f64).to_f32()).collect();

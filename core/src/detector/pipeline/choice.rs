@@ -1,12 +1,12 @@
 //! Choice of features: of the keypoints on one blob the strongest, and of their features the strongest.
 //!
 //! Only what can be kept is computed: where the number of features is limited, keypoints are taken from the strongest
-//! to the weakest, as many at a time as features are missing, until the next is weaker than all features. A feature has
-//! the strength of its keypoint, so the result is that of describing all and keeping the strongest.
+//! to the weakest, as many at a time as give the missing features, until the next is weaker than all features. A
+//! feature has the strength of its keypoint, so the result is that of describing all and keeping the strongest.
 
 use crate::detector::along::Along;
 use crate::detector::coherence::Shape;
-use crate::detector::describe::Described;
+use crate::detector::describe::{Described, place_order};
 use crate::detector::distinct::{Blob, Deciding, Rule};
 use crate::detector::feature::{DEFINED_SIGMA, Feature, Keypoint, Moves, Tally, Test};
 use crate::detector::params::Distinct;
@@ -48,7 +48,7 @@ impl Choice {
 }
 
 /// Smallest number of keypoints that are compared at a time.
-const FEWEST: usize = 256;
+const FEWEST: usize = 128;
 
 pub(super) struct Chooser<'a> {
     pub(super) search: &'a Search<'a>,
@@ -91,10 +91,12 @@ impl Chooser<'_> {
             if left.is_empty() || missing == 0 {
                 break;
             }
-            // Each pass decides only as many keypoints as features are missing: describing is the costly step.
+            // Each pass decides only as many keypoints as have the missing features: describing is the costly step. Six
+            // features for five keypoints are usual, as some have several orientations.
+            let wanted = if weakest.is_none() { missing - missing / 6 } else { missing };
             let mut distinct: Vec<usize> = Vec::new();
-            while distinct.len() < missing && !left.is_empty() {
-                let (next, after) = left.split_at((missing - distinct.len()).max(FEWEST).min(left.len()));
+            while distinct.len() < wanted && !left.is_empty() {
+                let (next, after) = left.split_at((wanted - distinct.len()).max(FEWEST).min(left.len()));
                 left = after;
                 let started = Instant::now();
                 if let Some(deciding) = &mut deciding {
@@ -159,7 +161,10 @@ impl Chooser<'_> {
         // Without evidence the slope is somewhere in the grid: the deviation of a uniform distribution.
         let widest = [grid.u, grid.v].map(|axis| axis.max - axis.min + axis.step()).into_iter().fold(0.0, f32::max);
         let least_known = widest / 12f32.sqrt();
-        found.par_iter_mut().try_for_each(|one| {
+        // Frames are read at each place: neighbours share the pixels that are in the cache.
+        let mut order: Vec<&mut Described> = found.iter_mut().collect();
+        order.sort_by_cached_key(|one| place_order(one.feature.octave, one.feature.u, one.feature.v));
+        order.into_par_iter().try_for_each(|one| {
             self.search.monitor.check()?;
             let number = self.passing.numbers[one.keypoint] as usize;
             let rises = self.outcome.rises[number].get_or_init(|| self.along.rises(&one.feature));

@@ -165,7 +165,7 @@ fn next_first_level(
         for (v, row) in part.into_iter().enumerate() {
             let from = level.row(region.rows.start + 2 * v);
             // Every second pixel, as in the search, so that both agree to the bit.
-            row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
+            row.iter_mut().zip(from.as_chunks::<2>().0).for_each(|(out, pair)| *out = pair[0]);
         }
     })
 }

@@ -47,8 +47,6 @@ struct Counts {
 /// above, or below, its eight neighbours in `above`, `row` and `below`; counts the samples below the thresholds.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32, found: &mut Vec<u32>) -> Counts {
-    let larger = |x: f32, y: f32| if x > y { x } else { y };
-    let smaller = |x: f32, y: f32| if x < y { x } else { y };
     let mut counts = Counts::default();
     let total = row.len() - 2;
     let mut marks = [0u8; RUN];
@@ -69,14 +67,11 @@ fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f3
         if below_any < n as u32 {
             let marks = &mut marks[..n];
             for u in 0..n {
-                let max = larger(
-                    larger(larger(a[u], b[u]), larger(c[u], d[u])),
-                    larger(larger(f[u], g[u]), larger(h[u], i[u])),
-                );
-                let min = smaller(
-                    smaller(smaller(a[u], b[u]), smaller(c[u], d[u])),
-                    smaller(smaller(f[u], g[u]), smaller(h[u], i[u])),
-                );
+                let (mut max, mut min) = (a[u], a[u]);
+                for x in [b[u], c[u], d[u], f[u], g[u], h[u], i[u]] {
+                    max = if x > max { x } else { max };
+                    min = if x < min { x } else { min };
+                }
                 // `&` and `|` instead of `&&` and `||`: without branches the loop stays in vector lanes.
                 let high = (e[u] > max) & (e[u] >= limit);
                 let low = (e[u] < min) & (e[u] <= -limit);

@@ -343,7 +343,7 @@ impl Search<'_> {
                 for (v, row) in out.iter_mut().enumerate() {
                     let from = &level.row(region.rows.start + 2 * v)[left..];
                     // As in SIFT, the next octave takes every second pixel without further smoothing.
-                    row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
+                    row.iter_mut().zip(from.as_chunks::<2>().0).for_each(|(out, pair)| *out = pair[0]);
                 }
             }
             for decided in window.decidable(index) {
