@@ -211,9 +211,10 @@ fn add_burst(
     Ok(())
 }
 
-/// A verified pair that waits for the solution: indices of its images, and its inliers with their measurements.
+/// A verified pair that waits for the solution: indices of its images, geometry, and inliers with their measurements.
 struct Waiting {
     images: (usize, usize),
+    model: Option<TwoViewModel>,
     inliers: Vec<(Inlier, Option<Measured>)>,
 }
 
@@ -279,7 +280,7 @@ fn add_pairs(
         }
         database.add_matches(a, b, &matches)?;
         if matching.aligns() && model.is_some() {
-            waiting.push(Waiting { images, inliers });
+            waiting.push(Waiting { images, model, inliers });
             continue;
         }
         let places =
@@ -308,22 +309,21 @@ fn align_all(
     }
     // Links are numbered over all pairs, as the solution returns residuals by link.
     let mut linked: Vec<Vec<(Inlier, Option<usize>)>> = Vec::with_capacity(waiting.len());
-    for Waiting { images, inliers } in waiting {
+    for Waiting { images, inliers, .. } in waiting {
         let mut link = |m: &Inlier, measured| alignment.add_match(*images, (m.a as usize, m.b as usize), measured);
         linked.push(inliers.iter().map(|(m, measured)| (*m, measured.map(|measured| link(m, measured)))).collect());
     }
     let aligned = alignment.solve(monitor)?;
     report.moved = Some(aligned.moved);
-    let confirmed: Vec<Option<Verification>> = waiting
-        .par_iter()
-        .zip(&linked)
-        .map(|(pair, inliers)| aligned.confirmed(pair.images, inliers, &kept.matching(pair.images), &monitor.silent()))
-        .collect::<Result<_, _>>()?;
+    let confirmed = |(Waiting { images, model, .. }, inliers): (&Waiting, &Vec<_>)| {
+        aligned.confirmed(*images, model.as_ref(), inliers, &kept.matching(*images), &monitor.silent())
+    };
+    let confirmed: Vec<_> = waiting.par_iter().zip(&linked).map(confirmed).collect::<Result<_>>()?;
     // Features move first: geometries are of the places in the database.
     for (&id, places) in ids.iter().zip(&aligned.places) {
         database.move_features(id, places)?;
     }
-    let agreed = |(Waiting { images, inliers }, verified): (&Waiting, Option<Verification>)| {
+    let agreed = |(Waiting { images, inliers, .. }, verified): (&Waiting, Option<Verification>)| {
         let Verification { model, inlier, .. } = verified?;
         let agreed = inliers.iter().zip(inlier).filter(|(_, inlier)| *inlier).map(|((m, _), _)| *m);
         Some((*images, (model, agreed.collect())))
@@ -333,11 +333,12 @@ fn align_all(
     let tracks = Tracks::of(&aligned.place_of, found.iter().map(|(images, (_, inliers))| (*images, &inliers[..])));
     let implied = |&images: &(usize, usize)| {
         monitor.check()?;
-        let (implied, own) = (tracks.implied(images), found.get(&images).map_or(&[][..], |(_, inliers)| inliers));
+        let implied = tracks.implied(images);
+        let (former, own) = found.get(&images).map_or((None, &[][..]), |(model, own)| (model.as_ref(), own));
         if implied.is_empty() {
             return Ok(None);
         }
-        let more = aligned.with_implied(images, [own, &implied], &kept.matching(images), &monitor.silent())?;
+        let more = aligned.with_implied(images, former, [own, &implied], &kept.matching(images), &monitor.silent())?;
         Ok(more.map(|more| (images, more)))
     };
     // A pair without a geometry of its own may get one by them.

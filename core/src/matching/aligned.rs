@@ -174,7 +174,9 @@ pub(super) fn align_pair(
     let inliers: Vec<usize> = (0..links.len()).filter(|&index| verified.inlier[index]).collect();
     let linked: Vec<(Inlier, Option<usize>)> =
         inliers.iter().map(|&index| (Inlier::from(&result.matches[index]), links[index])).collect();
-    let Some(confirmed) = aligned.confirmed((0, 1), &linked, params, monitor)? else { return Ok(()) };
+    let Some(confirmed) = aligned.confirmed((0, 1), verified.model.as_ref(), &linked, params, monitor)? else {
+        return Ok(());
+    };
     let residual =
         |(measured, link): (&Option<Measured>, Option<usize>)| Some(((*measured)?, aligned.residuals_px[link?]));
     let measured = measured.iter().zip(links).map(residual).collect();
@@ -306,10 +308,11 @@ pub struct Moved {
 }
 
 impl AlignedImages {
-    /// Estimates a pair's geometry again from its former `inliers`, each with the index of its measurement.
+    /// Estimates a pair's geometry again, from the `former` one and its inliers, each with the index of its measurement.
     pub fn confirmed(
         &self,
         images: (usize, usize),
+        former: Option<&TwoViewModel>,
         inliers: &[(Inlier, Option<usize>)],
         params: &MatchParams,
         monitor: &Monitor,
@@ -319,7 +322,7 @@ impl AlignedImages {
         // What contradicts the solved places goes before the geometry is estimated again.
         let kept: Vec<usize> = (0..inliers.len()).filter(|&index| agrees(&inliers[index].1)).collect();
         let point = |index: usize| self.point(images, &inliers[index].0);
-        let Some(mut of_kept) = self.verified(kept.iter().map(|&index| point(index)), params, monitor)? else {
+        let Some(mut of_kept) = self.verified(kept.iter().map(|&index| point(index)), former, params, monitor)? else {
             return Ok(None);
         };
         let enough = FEWEST_KEPT.max((LEAST_KEPT * inliers.len() as f64).ceil() as usize);
@@ -338,17 +341,18 @@ impl AlignedImages {
         Ok(Some(Verification { inlier, error_px, ..of_kept }))
     }
 
-    /// Geometry of a pair estimated again from its `inliers` and from those that others imply, and which of both agree
+    /// Geometry of a pair estimated again, from the `former` one, its `inliers`, and from those that others imply, and which of both agree
     /// with it. `None` where they are fewer than `inliers`, or than a pair keeps.
     pub fn with_implied(
         &self,
         images: (usize, usize),
+        former: Option<&TwoViewModel>,
         [inliers, implied]: [&[Inlier]; 2],
         params: &MatchParams,
         monitor: &Monitor,
     ) -> Result<Option<(TwoViewModel, [Vec<Inlier>; 2])>> {
         let all = inliers.iter().chain(implied).map(|inlier| self.point(images, inlier));
-        let Some(found) = self.verified(all, params, monitor)? else { return Ok(None) };
+        let Some(found) = self.verified(all, former, params, monitor)? else { return Ok(None) };
         let enough = found.inlier_count() >= FEWEST_KEPT.max(inliers.len());
         let (own, others) = found.inlier.split_at(inliers.len());
         let agreed = |of: &[Inlier], agree: &[bool]| {
@@ -365,10 +369,11 @@ impl AlignedImages {
     fn verified(
         &self,
         points: impl Iterator<Item = PointPair>,
+        former: Option<&TwoViewModel>,
         params: &MatchParams,
         monitor: &Monitor,
     ) -> Result<Option<Verification>> {
         let narrow = MatchParams { max_error_px: NARROW * params.max_error_px, ..params.clone() };
-        verify(&points.collect::<Vec<_>>(), &narrow, monitor)
+        verify(&points.collect::<Vec<_>>(), former, &narrow, monitor)
     }
 }

@@ -139,7 +139,7 @@ pub fn match_features([a, b]: [MatchSide<'_>; 2], params: &MatchParams, monitor:
     let mut matches = neighbours.matches(params);
     let verified = |matches: &[Match], params: &MatchParams| {
         let pair = |m: &Match| PointPair { a: a.places[m.a], b: b.places[m.b], rank: m.rank() };
-        verify(&matches.iter().map(pair).collect::<Vec<_>>(), params, monitor)
+        verify(&matches.iter().map(pair).collect::<Vec<_>>(), None, params, monitor)
     };
     // The sure matches first: a prediction needs their geometry.
     let mut verification = verified(&matches, params)?;

@@ -366,22 +366,16 @@ fn nearest_among(
         let mut best: Option<Nearest> = None;
         for other in others.iter().map(|other| *other as usize) {
             let distance_squared = distance_squared(&from.descriptors[index], &to.descriptors[other]);
-            let found = |second| Some(Nearest { index: other, distance_squared, second_distance_squared: second });
-            best = match best {
-                None => found(None),
-                Some(old) => {
-                    // Orientations of one place are no rivals: the second nearest must lie elsewhere.
-                    let elsewhere = to.places[old.index] != to.places[other];
-                    if distance_squared < old.distance_squared {
-                        found(if elsewhere { Some(old.distance_squared) } else { old.second_distance_squared })
-                    } else if elsewhere {
-                        let second = old.second_distance_squared.map_or(distance_squared, |x| x.min(distance_squared));
-                        Some(Nearest { second_distance_squared: Some(second), ..old })
-                    } else {
-                        Some(old)
-                    }
-                }
+            let found = Nearest { index: other, distance_squared, second_distance_squared: None };
+            let Some(old) = best else {
+                best = Some(found);
+                continue;
             };
+            let [near, far] = if distance_squared < old.distance_squared { [found, old] } else { [old, found] };
+            // Orientations of one place are no rivals: the second nearest must lie elsewhere.
+            let rival = (to.places[old.index] != to.places[other]).then_some(far.distance_squared);
+            let second_distance_squared = [old.second_distance_squared, rival].into_iter().flatten().min();
+            best = Some(Nearest { second_distance_squared, ..near });
         }
         Ok(best)
     };

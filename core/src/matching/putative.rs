@@ -67,7 +67,7 @@ pub(super) struct Neighbours {
 impl Neighbours {
     pub fn new(a: &[Descriptor], b: &[Descriptor], params: &MatchParams, monitor: &Monitor) -> Result<Self> {
         params.validate()?;
-        let (of_a, of_b) = search(a, b, params.mutual, monitor)?;
+        let (of_a, of_b) = search([a, b], params.mutual, monitor)?;
         Ok(Self { of_a, of_b })
     }
 
@@ -142,30 +142,20 @@ impl Nearest {
     }
 }
 
+/// Nearest ones, one for each query.
+pub type Ones = Vec<Nearest>;
+
 /// The nearest and second nearest of `searched`, by Euclidean distance, of each of `queries`; empty if there is none.
-pub fn nearest_two(
-    queries: &[Descriptor],
-    searched: &[Descriptor],
-    monitor: &Monitor,
-) -> Result<Vec<Nearest>, Cancelled> {
-    Ok(search(queries, searched, false, monitor)?.0)
+pub fn nearest_two(queries: &[Descriptor], searched: &[Descriptor], monitor: &Monitor) -> Result<Ones, Cancelled> {
+    Ok(search([queries, searched], false, monitor)?.0)
 }
 
 /// [`nearest_two`] of `a` in `b`, and of `b` in `a`, at the cost of one of them.
-pub fn nearest_two_both_ways(
-    a: &[Descriptor],
-    b: &[Descriptor],
-    monitor: &Monitor,
-) -> Result<(Vec<Nearest>, Vec<Nearest>), Cancelled> {
-    search(a, b, true, monitor)
+pub fn nearest_two_both_ways(a: &[Descriptor], b: &[Descriptor], monitor: &Monitor) -> Result<(Ones, Ones), Cancelled> {
+    search([a, b], true, monitor)
 }
 
-fn search(
-    queries: &[Descriptor],
-    searched: &[Descriptor],
-    both: bool,
-    monitor: &Monitor,
-) -> Result<(Vec<Nearest>, Vec<Nearest>), Cancelled> {
+fn search([queries, searched]: [&[Descriptor]; 2], both: bool, monitor: &Monitor) -> Result<(Ones, Ones), Cancelled> {
     monitor.check()?;
     if queries.is_empty() || searched.is_empty() {
         return Ok((Vec::new(), Vec::new()));
@@ -487,10 +477,8 @@ mod tests {
         for searched in [vec![black], vec![white], vec![black, nearly], vec![nearly, white], vec![black; 33]] {
             assert_eq!(nearest(&[black, white, nearly], &searched), brute_force(&[black, white, nearly], &searched));
         }
-        assert_eq!(
-            nearest(&[black], &[white]),
-            [Nearest { index: 0, distance_squared: 8_323_200, second_distance_squared: None }]
-        );
+        let farthest = Nearest { index: 0, distance_squared: 8_323_200, second_distance_squared: None };
+        assert_eq!(nearest(&[black], &[white]), [farthest]);
     }
 
     #[test]

@@ -79,9 +79,7 @@ pub fn near_pairs(
     let mut nearest: Vec<Vec<(u32, usize)>> =
         strongest.iter().map(|of| vec![(u32::MAX, usize::MAX); of.len()]).collect();
     let vote = |votes: &mut [(u32, usize)], image: usize, found: &[Nearest]| {
-        let better =
-            |(vote, found): (&mut (u32, usize), &Nearest)| *vote = (*vote).min((found.distance_squared, image));
-        votes.iter_mut().zip(found).for_each(better);
+        votes.iter_mut().zip(found).for_each(|(vote, found)| *vote = (*vote).min((found.distance_squared, image)));
     };
     for a in 0..count {
         monitor.report(Stage::Match, a as f32 / count as f32);

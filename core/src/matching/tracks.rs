@@ -5,12 +5,13 @@
 //! the same end, or one of which a match is itself implied by others; and no other way from or to its ends has another.
 
 use super::aligned::Inlier;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeSet, HashMap};
 
-/// A match as one of its images sees it.
+/// A match as the place of one of its images sees it.
 #[derive(Debug, Clone, Copy)]
 struct Link {
-    /// Place in the other image.
+    /// The other image, and the place there.
+    image: u32,
     to: u32,
     /// Feature of the own place, and of the other one.
     features: [u32; 2],
@@ -20,36 +21,43 @@ struct Link {
 /// Matches of all images by their places: features of several orientations share one.
 #[derive(Debug, Default)]
 pub struct Tracks {
-    /// For each image, and each that it has matches with, the match of each place.
-    links: Vec<BTreeMap<usize, HashMap<u32, Link>>>,
+    /// Matches of each place, in the order of the other images: one for each.
+    links: Vec<Vec<Link>>,
+    /// Places of each image.
+    places: Vec<BTreeSet<u32>>,
 }
 
 impl Tracks {
-    /// Tracks of the inliers of pairs of images, whose features have these places: numbers by image and feature.
+    /// Tracks of the inliers of pairs of images, whose features have these places, counted over all images.
     pub fn of<'a>(places: &[Vec<u32>], pairs: impl IntoIterator<Item = ((usize, usize), &'a [Inlier])>) -> Self {
-        let mut links = vec![BTreeMap::<usize, HashMap<u32, Link>>::new(); places.len()];
+        let count = places.iter().flatten().max().map_or(0, |last| *last as usize + 1);
+        let mut links = vec![Vec::<Link>::new(); count];
         for ((i, j), inliers) in pairs {
             for &Inlier { a, b, rank } in inliers {
                 let (of_a, of_b) = (places[i][a as usize], places[j][b as usize]);
                 // The first match of a place stands for those of its other orientations.
-                let mut link = |image: usize, other, place, link| {
-                    links[image].entry(other).or_default().entry(place).or_insert(link);
+                let mut link = |place: u32, link: Link| {
+                    let of_place = &mut links[place as usize];
+                    if of_place.last().is_none_or(|last| last.image != link.image) {
+                        of_place.push(link);
+                    }
                 };
-                link(i, j, of_a, Link { to: of_b, features: [a, b], rank });
-                link(j, i, of_b, Link { to: of_a, features: [b, a], rank });
+                link(of_a, Link { image: j as u32, to: of_b, features: [a, b], rank });
+                link(of_b, Link { image: i as u32, to: of_a, features: [b, a], rank });
             }
         }
-        Self { links }
+        links.iter_mut().for_each(|of_place| of_place.sort_unstable_by_key(|link| link.image));
+        Self { links, places: places.iter().map(|of_image| of_image.iter().copied().collect()).collect() }
     }
 
-    fn link(&self, image: usize, other: usize, place: u32) -> Option<&Link> {
-        self.links[image].get(&other)?.get(&place)
+    fn link(&self, place: u32, image: usize) -> Option<&Link> {
+        let links = &self.links[place as usize];
+        Some(&links[links.binary_search_by_key(&(image as u32), |link| link.image).ok()?])
     }
 
-    /// Whether ways through other images imply the match of `place` of `image` with `to` of `other`.
-    fn is_implied(&self, (image, other): (usize, usize), (place, to): (u32, u32)) -> bool {
-        let end = |&third: &usize| self.link(third, other, self.link(image, third, place)?.to);
-        self.links[image].keys().filter_map(end).any(|end| end.to == to)
+    /// Whether ways through other images imply the match of `place` with `to` of `image`.
+    fn is_implied(&self, place: u32, image: usize, to: u32) -> bool {
+        self.links[place as usize].iter().filter_map(|on_way| self.link(on_way.to, image)).any(|end| end.to == to)
     }
 
     /// Matches of the images `i` and `j` that others imply, of places without a match of their own, by features.
@@ -57,22 +65,18 @@ impl Tracks {
         // By both ends the number of ways, and the last one's third image and place there.
         type Ways = (usize, (usize, u32), Inlier);
         let mut ends = HashMap::<(u32, u32), Ways>::new();
-        for (&third, of_i) in &self.links[i] {
-            let Some(onwards) = self.links[third].get(&j) else { continue };
-            for (&place, first) in of_i {
-                let Some(second) = onwards.get(&first.to) else { continue };
-                if self.link(i, j, place).is_some() || self.link(j, i, second.to).is_some() {
+        for &place in self.places[i].iter().filter(|place| self.link(**place, j).is_none()) {
+            for first in &self.links[place as usize] {
+                let Some(second) = self.link(first.to, j).filter(|second| self.link(second.to, i).is_none()) else {
                     continue;
-                }
-                let rank = first.rank.max(second.rank);
-                let implied = Inlier { a: first.features[0], b: second.features[1], rank };
+                };
+                let implied = Inlier { a: first.features[0], b: second.features[1], rank: first.rank.max(second.rank) };
                 let (ways, last, _) = ends.entry((place, second.to)).or_insert((0, (0, 0), implied));
-                (*ways, *last) = (*ways + 1, (third, first.to));
+                (*ways, *last) = (*ways + 1, (first.image as usize, first.to));
             }
         }
-        ends.retain(|&(place, to), (ways, (third, on_way), _)| {
-            let halves = [((i, *third), (place, *on_way)), ((*third, j), (*on_way, to))];
-            *ways > 1 || halves.into_iter().any(|(images, places)| self.is_implied(images, places))
+        ends.retain(|&(place, to), &mut (ways, (third, on_way), _)| {
+            ways > 1 || self.is_implied(place, third, on_way) || self.is_implied(on_way, j, to)
         });
         let mut ways_of: [HashMap<u32, usize>; 2] = Default::default();
         for (place, to) in ends.keys() {
@@ -101,7 +105,7 @@ mod tests {
         let pairs: Vec<((usize, usize), Vec<Inlier>)> =
             pairs.iter().map(|(images, of)| (*images, of.iter().map(inlier).collect())).collect();
         // Features 6 and 7 share a place.
-        let places = vec![vec![0, 1, 2, 3, 4, 5, 6, 6]; 5];
+        let places: Vec<Vec<_>> = (0..5).map(|k| [0, 1, 2, 3, 4, 5, 6, 6].map(|x| 7 * k + x).to_vec()).collect();
         Tracks::of(&places, pairs.iter().map(|(images, of)| (*images, &of[..])))
     }
 

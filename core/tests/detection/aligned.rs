@@ -169,7 +169,7 @@ fn confirmed_of(
     let inliers: Vec<(Inlier, Option<usize>)> = (0..count).map(&mut link).collect();
     let aligned = alignment.solve(&quiet()).expect("not cancelled");
     let params = MatchParams::default();
-    let verified = aligned.confirmed((0, 1), &inliers, &params, &quiet()).expect("valid parameters");
+    let verified = aligned.confirmed((0, 1), None, &inliers, &params, &quiet()).expect("valid parameters");
     (aligned, verified.expect("asked for"))
 }
 
@@ -224,6 +224,6 @@ fn places_that_contradict_their_other_matches_lose_them() {
     let aligned = alignment.solve(&quiet()).expect("not cancelled");
     let (images, matches) = &pairs[1];
     let params = MatchParams::default();
-    let verified = aligned.confirmed(*images, matches, &params, &quiet()).expect("valid").expect("asked");
+    let verified = aligned.confirmed(*images, None, matches, &params, &quiet()).expect("valid").expect("asked");
     assert!(!verified.inlier[..20].contains(&true) && verified.inlier[20..].iter().all(|inlier| *inlier));
 }

@@ -205,15 +205,11 @@ mod tests {
 
     /// Frames with a Gaussian blob of standard deviation `blob` px that moves by `slope`, at (90.3, 70.6) at mid-burst.
     fn moving(slope: Slope, blob: f32) -> Vec<Plane> {
-        (0..5)
-            .map(|t| {
-                let dt = t as f32 - 2.0;
-                Plane::from_fn(181, 139, |u, v| {
-                    let (du, dv) = (u as f32 - 90.3 - dt * slope.u, v as f32 - 70.6 - dt * slope.v);
-                    (-(du * du + dv * dv) / (2.0 * blob * blob)).exp()
-                })
-            })
-            .collect()
+        let value = |dt: f32, u: usize, v: usize| {
+            let (du, dv) = (u as f32 - 90.3 - dt * slope.u, v as f32 - 70.6 - dt * slope.v);
+            (-(du * du + dv * dv) / (2.0 * blob * blob)).exp()
+        };
+        (0..5).map(|t| Plane::from_fn(181, 139, |u, v| value(t as f32 - 2.0, u, v))).collect()
     }
 
     fn chip(frames: &[Plane], at: (f32, f32), sigma: f32, slope: Slope) -> Chip {

@@ -22,10 +22,8 @@ impl Affine {
     pub fn after(&self, first: &Self) -> Self {
         let (m, f) = (&self.matrix, &first.matrix);
         let entry = |i: usize, j: usize| m[i][0] * f[0][j] + m[i][1] * f[1][j];
-        Self {
-            matrix: [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]],
-            shift: self.apply(first.shift[0], first.shift[1]),
-        }
+        let matrix = [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]];
+        Self { matrix, shift: self.apply(first.shift[0], first.shift[1]) }
     }
 
     pub fn inverse(&self) -> Option<Self> {
@@ -38,6 +36,9 @@ impl Affine {
         finite.then_some(Self { shift: back.map(|x| -x), ..inverse })
     }
 }
+
+/// Values of a chip, of mean 0 and standard deviation 1, and the places of a lattice in it.
+pub(super) type OnLattice<'a> = (&'a Grid, &'a Affine);
 
 /// Values of a chip, of mean 0 and standard deviation 1.
 #[derive(Debug)]
@@ -105,12 +106,8 @@ impl Grid {
     }
 
     /// As [`Self::read`], with the derivatives along the axes of the points.
-    pub fn read_with_gradient(
-        &self,
-        places: &Affine,
-        points: Points<'_>,
-        [values, along_x, along_y, seen]: [&mut [f32]; 4],
-    ) {
+    pub fn read_with_gradient(&self, places: &Affine, points: Points<'_>, out: [&mut [f32]; 4]) {
+        let [values, along_x, along_y, seen] = out;
         let [[xu, yu], [xv, yv]] = places.matrix;
         for (k, (&x, &y)) in points.x.iter().zip(points.y).enumerate() {
             let found = self.around(places.apply(x, y)).map(|(rows, u, v)| {
@@ -189,12 +186,9 @@ mod tests {
         assert_eq!(seen, [1.0, 1.0, 1.0, 0.0]);
         let at = |x: f32, y: f32| value(0.9 * x - 0.4 * y, 0.4 * x + 0.9 * y);
         for k in 0..3 {
-            let expected = [
-                at(x[k], y[k]),
-                (at(x[k] + 0.5, y[k]) - at(x[k] - 0.5, y[k])),
-                (at(x[k], y[k] + 0.5) - at(x[k], y[k] - 0.5)),
-            ];
-            for (found, expected) in [values[k], along_x[k], along_y[k]].iter().zip(expected) {
+            let (x, y) = (x[k], y[k]);
+            let slopes = [at(x + 0.5, y) - at(x - 0.5, y), at(x, y + 0.5) - at(x, y - 0.5)];
+            for (found, expected) in [values[k], along_x[k], along_y[k]].iter().zip([at(x, y), slopes[0], slopes[1]]) {
                 assert!((found - expected).abs() < 1e-3, "{k}: {found} {expected}");
             }
         }

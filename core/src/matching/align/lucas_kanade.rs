@@ -2,9 +2,9 @@
 //!
 //! Brightness may differ by offset and factor. A weak prior holds the map near its start, where a chip is mostly noise.
 
-use super::grid::{Affine, Grid, Points};
+use super::grid::{Affine, OnLattice, Points};
 use multiversion::multiversion;
-use nalgebra::{Cholesky, SMatrix, SVector};
+use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
 const ROUNDS: usize = 8;
 /// Standard deviation of the matrix's elements about the identity.
@@ -82,13 +82,7 @@ impl Window {
 
     /// Fits the map of the lattice by which `a` becomes `b`, each a grid with the lattice's places, from the shift
     /// `start` on. `None` where too little of either is seen or the window has no contrast.
-    pub fn fit(
-        &self,
-        a: (&Grid, &Affine),
-        b: (&Grid, &Affine),
-        start: [f32; 2],
-        scratch: &mut FitScratch,
-    ) -> Option<Fit> {
+    pub fn fit(&self, a: OnLattice, b: OnLattice, start: [f32; 2], scratch: &mut FitScratch) -> Option<Fit> {
         // Inverse composition: the derivatives are of `a` alone, so the normal equations are made once.
         let (hessian, begin) = (self.prepare(a, scratch)?, Affine::shifted(start));
         let (mut map, mut best) = (begin, None::<Fit>);
@@ -113,11 +107,7 @@ impl Window {
     }
 
     /// Reads `a` with its derivatives into `scratch`, and returns the matrix of the normal equations.
-    fn prepare(
-        &self,
-        a: (&Grid, &Affine),
-        scratch: &mut FitScratch,
-    ) -> Option<Cholesky<f64, nalgebra::Const<UNKNOWNS>>> {
+    fn prepare(&self, a: OnLattice, scratch: &mut FitScratch) -> Option<Cholesky<f64, Const<UNKNOWNS>>> {
         let count = self.x.len();
         let FitScratch { template, weights, derivatives, values, seen } = scratch;
         for buffer in [&mut *template, weights, values, seen].into_iter().chain(derivatives.iter_mut()) {

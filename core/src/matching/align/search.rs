@@ -1,6 +1,6 @@
 //! One chip found in another: normalised correlation at all whole shifts, and its peak between them.
 
-use super::grid::{Affine, Grid, Points};
+use super::grid::{OnLattice, Points};
 use multiversion::multiversion;
 
 /// Lattice points from the middle of the window to each side, σ.
@@ -42,12 +42,10 @@ impl Default for SearchScratch {
 
 impl Search {
     pub fn new() -> Self {
-        let around = |index: usize, middle: usize| index as f32 - middle as f32;
         let square = |side: usize, stride: usize| {
-            let coordinate = |of: fn(usize, usize) -> usize| {
-                (0..side * stride).map(|k| around(of(k, stride), side / 2)).collect::<Vec<f32>>()
-            };
-            [coordinate(|k, stride| k % stride), coordinate(|k, stride| k / stride)]
+            let around = |index: usize| index as f32 - (side / 2) as f32;
+            let all = 0..side * stride;
+            [all.clone().map(|k| around(k % stride)).collect::<Vec<f32>>(), all.map(|k| around(k / stride)).collect()]
         };
         let window = square(WINDOW, WINDOW);
         let radius = RADIUS as f32;
@@ -63,7 +61,7 @@ impl Search {
 
     /// Shift along the lattice's axes, σ, at which `b` is most like `a`, each a grid with the lattice's places. `None`
     /// for a shift on the rim, beyond which the true one may lie, and where too little of either is seen.
-    pub fn peak(&self, a: (&Grid, &Affine), b: (&Grid, &Affine), scratch: &mut SearchScratch) -> Option<[f32; 2]> {
+    pub fn peak(&self, a: OnLattice, b: OnLattice, scratch: &mut SearchScratch) -> Option<[f32; 2]> {
         let window = Points { x: &self.window[0], y: &self.window[1] };
         let wide = Points { x: &self.wide[0], y: &self.wide[1] };
         a.0.read(a.1, window, &mut scratch.template, &mut scratch.template_seen);
@@ -123,15 +121,9 @@ fn add(weights: &[f32], scratch: &SearchScratch, y: usize, out: &mut Sums) {
 
 /// Place of the peak of the quadratic function through the nine correlations around the largest.
 fn peak_of(correlations: &[[f32; SHIFTS]; SHIFTS]) -> Option<[f32; 2]> {
-    let mut best = (0, 0);
-    for y in 0..SHIFTS {
-        for x in 0..SHIFTS {
-            if correlations[y][x] > correlations[best.1][best.0] {
-                best = (x, y);
-            }
-        }
-    }
-    let (x, y) = best;
+    let of = |(x, y): (usize, usize)| correlations[y][x];
+    let all = (0..SHIFTS * SHIFTS).map(|k| (k % SHIFTS, k / SHIFTS));
+    let (x, y) = all.reduce(|best, other| if of(other) > of(best) { other } else { best })?;
     let inner = 1..SHIFTS - 1;
     let around = |dx: usize, dy: usize| correlations[y + dy - 1][x + dx - 1];
     let known = |k: usize| around(k % 3, k / 3) > -1.0;

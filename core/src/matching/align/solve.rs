@@ -7,7 +7,8 @@
 
 use super::pair::Measured;
 use crate::monitor::{Cancelled, Monitor};
-use std::collections::HashMap;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, HashMap};
 
 /// Standard deviation of a correction before anything is measured, scales σ of the place.
 pub const PRIOR: f64 = 2.0;
@@ -19,7 +20,7 @@ const LEAST_CORRELATION: f64 = 0.5;
 const ROUNDS: usize = 8;
 /// Conjugate-gradient steps in a round, which begins where the last one ended, and the share that may remain.
 const STEPS: usize = 100;
-const REMAINDER: f64 = 1e-3;
+const REMAINDER: f64 = 1e-5;
 /// Solutions in which places are refused, each without the matches of those before.
 const PASSES: usize = 4;
 /// Least change of scale that is believed.
@@ -89,34 +90,35 @@ pub fn solve(
     let mut terms: Vec<Term> = links.iter().map(Term::of).collect();
     let prior: Vec<f64> = sigmas.iter().map(|sigma| (PRIOR * f64::from(*sigma)).powi(-2)).collect();
     let mut corrections = vec![[0.0; 2]; sigmas.len()];
-    let mut is_refused = vec![false; sigmas.len()];
+    let (mut is_refused, mut is_open) = (vec![false; sigmas.len()], vec![true; sigmas.len()]);
     for _ in 0..PASSES {
-        // Weights begin anew: matches of refused places no longer press on the others.
-        let mut weights: Vec<f64> = terms.iter().map(|term| term.confidence).collect();
-        for _ in 0..ROUNDS {
-            let system = System::new(&terms, &weights, &prior);
-            system.solve(&mut corrections, monitor)?;
-            let robust = |term: &Term| {
-                term.confidence / (1.0 + (term.residual(&corrections) / (2.0 * NOISE_PX)).powi(2)).powi(2)
-            };
-            weights = terms.iter().map(robust).collect();
+        // What is solved for begins anew; a place that lost all matches has no island.
+        corrections.iter_mut().zip(&is_open).filter(|(_, open)| **open).for_each(|(of_place, _)| *of_place = [0.0; 2]);
+        let islands = Island::all(&terms, &is_open);
+        let solved = islands.par_iter().map(|island| island.solved(&prior, monitor));
+        for (island, solved) in islands.iter().zip(solved.collect::<Result<Vec<_>, _>>()?) {
+            island.places.iter().zip(solved).for_each(|(place, solved)| corrections[*place] = solved);
         }
-        // Places that would move too far stay at 0 from here on.
-        let mut is_done = true;
+        is_open.fill(false);
         for (place, correction) in corrections.iter_mut().enumerate() {
             if *correction != [0.0; 2] && !may_move(place, *correction) {
-                (*correction, is_refused[place], is_done) = ([0.0; 2], true, false);
+                (*correction, is_refused[place]) = ([0.0; 2], true);
             }
         }
-        if is_done {
+        // Matches of refused places no longer press on the others.
+        for term in terms.iter_mut().filter(|term| term.confidence > 0.0 && (is_refused[term.a] || is_refused[term.b]))
+        {
+            (term.confidence, is_open[term.a], is_open[term.b]) = (0.0, true, true);
+        }
+        if !is_open.contains(&true) {
             break;
         }
-        terms.iter_mut().filter(|term| is_refused[term.a] || is_refused[term.b]).for_each(|term| term.confidence = 0.0);
     }
     let residuals_px = terms.iter().map(|term| term.residual(&corrections)).collect();
     Ok(Solved { corrections, residuals_px, refused: is_refused.iter().filter(|refused| **refused).count() })
 }
 
+#[derive(Clone, Copy)]
 struct Term {
     a: usize,
     b: usize,
@@ -147,75 +149,124 @@ impl Term {
         let [u, v] = self.apart(corrections);
         self.scale * (u - self.shift[0]).hypot(v - self.shift[1])
     }
+}
 
-    /// Adds the term's part of Aᵀ·`of` times `weight` to `sums`.
-    fn spread(&self, of: Uv, weight: f64, sums: &mut [Uv]) {
-        for i in 0..2 {
-            sums[self.b][i] += weight * of[i];
-            sums[self.a][i] -= weight * (self.jacobian[0][i] * of[0] + self.jacobian[1][i] * of[1]);
+/// Places that matches join, and no match joins with others: they have a solution of their own.
+#[derive(Default)]
+struct Island {
+    places: Vec<usize>,
+    /// Between its places, by their numbers in the island.
+    terms: Vec<Term>,
+}
+
+impl Island {
+    /// Islands with a place that `is_open`.
+    fn all(terms: &[Term], is_open: &[bool]) -> Vec<Self> {
+        // Each place leads to an earlier one of its island; the first leads to itself.
+        let mut earlier: Vec<usize> = (0..is_open.len()).collect();
+        let mut first = |mut place: usize, to: Option<usize>| {
+            while earlier[place] != place {
+                earlier[place] = earlier[earlier[place]];
+                place = earlier[place];
+            }
+            earlier[place] = to.map_or(place, |to| to.min(place));
+            place
+        };
+        let known = || terms.iter().filter(|term| term.confidence > 0.0);
+        for term in known() {
+            let (a, b) = (first(term.a, None), first(term.b, None));
+            first(a.max(b), Some(a.min(b)));
         }
+        let mut islands: BTreeMap<usize, Self> = BTreeMap::new();
+        known().for_each(|term| islands.entry(first(term.a, None)).or_default().terms.push(*term));
+        islands.retain(|_, island| island.terms.iter().any(|term| is_open[term.a] || is_open[term.b]));
+        let mut within = vec![0; is_open.len()];
+        for (place, within) in within.iter_mut().enumerate() {
+            if let Some(island) = islands.get_mut(&first(place, None)) {
+                *within = island.places.len();
+                island.places.push(place);
+            }
+        }
+        let terms = islands.values_mut().flat_map(|island| &mut island.terms);
+        terms.for_each(|term| (term.a, term.b) = (within[term.a], within[term.b]));
+        islands.into_values().collect()
+    }
+
+    /// Corrections of its places.
+    fn solved(&self, prior: &[f64], monitor: &Monitor) -> Result<Vec<Uv>, Cancelled> {
+        let prior: Vec<f64> = self.places.iter().map(|place| prior[*place]).collect();
+        let mut corrections = vec![[0.0; 2]; prior.len()];
+        let mut weights: Vec<f64> = self.terms.iter().map(|term| term.confidence).collect();
+        for _ in 0..ROUNDS {
+            System::new(&self.terms, &weights, &prior).solve(&mut corrections, monitor)?;
+            let robust = |term: &Term| {
+                term.confidence / (1.0 + (term.residual(&corrections) / (2.0 * NOISE_PX)).powi(2)).powi(2)
+            };
+            weights = self.terms.iter().map(robust).collect();
+        }
+        Ok(corrections)
     }
 }
 
-struct System<'a> {
-    terms: Vec<(&'a Term, f64)>,
-    prior: &'a [f64],
+/// The normal equations of an island.
+struct System {
+    /// Blocks on the diagonal, and their inverses: (uu, uv, vv) of each place.
+    blocks: Vec<[f64; 3]>,
+    inverses: Vec<[f64; 3]>,
+    /// Places of a term, and minus its block between them, of rows of B by columns of A.
+    between: Vec<([u32; 2], [Uv; 2])>,
+    right: Vec<Uv>,
 }
 
-impl<'a> System<'a> {
-    fn new(terms: &'a [Term], weights: &[f64], prior: &'a [f64]) -> Self {
-        let known = terms.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
-        Self { terms: known.map(|(term, weight)| (term, weight * (term.scale / NOISE_PX).powi(2))).collect(), prior }
-    }
-
-    fn times(&self, of: &[Uv], product: &mut [Uv]) {
-        for ((product, x), prior) in product.iter_mut().zip(of).zip(self.prior) {
-            *product = x.map(|x| prior * x);
-        }
-        self.terms.iter().for_each(|(term, weight)| term.spread(term.apart(of), *weight, product));
-    }
-
-    fn right_side(&self) -> Vec<Uv> {
-        let mut sums = vec![[0.0; 2]; self.prior.len()];
-        self.terms.iter().for_each(|(term, weight)| term.spread(term.shift, *weight, &mut sums));
-        sums
-    }
-
-    /// Inverses of the matrix's blocks on the diagonal: (uu, uv, vv) of each place.
-    fn preconditioner(&self) -> Vec<[f64; 3]> {
-        let mut blocks: Vec<[f64; 3]> = self.prior.iter().map(|&prior| [prior, 0.0, prior]).collect();
-        for &(term, weight) in &self.terms {
-            let [[xx, xy], [yx, yy]] = term.jacobian;
+impl System {
+    fn new(terms: &[Term], weights: &[f64], prior: &[f64]) -> Self {
+        let mut blocks: Vec<[f64; 3]> = prior.iter().map(|&prior| [prior, 0.0, prior]).collect();
+        let mut right = vec![[0.0; 2]; prior.len()];
+        let mut between = Vec::with_capacity(terms.len());
+        for (&Term { a, b, jacobian, shift, scale, .. }, weight) in terms.iter().zip(weights) {
+            let weight = weight * (scale / NOISE_PX).powi(2);
+            let [[xx, xy], [yx, yy]] = jacobian;
             let of_a = [xx * xx + yx * yx, xx * xy + yx * yy, xy * xy + yy * yy];
-            // The prior keeps every block positive: a place without a match has an inverse too.
-            blocks[term.a].iter_mut().zip(of_a).for_each(|(block, x)| *block += weight * x);
-            blocks[term.b][0] += weight;
-            blocks[term.b][2] += weight;
+            blocks[a].iter_mut().zip(of_a).for_each(|(block, x)| *block += weight * x);
+            blocks[b][0] += weight;
+            blocks[b][2] += weight;
+            let row = jacobian.map(|row| row.map(|x| weight * x));
+            for i in 0..2 {
+                right[b][i] += weight * shift[i];
+                right[a][i] -= row[0][i] * shift[0] + row[1][i] * shift[1];
+            }
+            between.push(([a as u32, b as u32], row));
         }
-        let inverse = |[uu, uv, vv]: [f64; 3]| {
+        // The prior keeps every block positive: each has an inverse.
+        let inverse = |&[uu, uv, vv]: &[f64; 3]| {
             let determinant = uu * vv - uv * uv;
             [vv / determinant, -uv / determinant, uu / determinant]
         };
-        blocks.into_iter().map(inverse).collect()
+        Self { inverses: blocks.iter().map(inverse).collect(), blocks, between, right }
     }
 
-    /// Improves `solution` by preconditioned conjugate gradients. A place without a term keeps exactly what it has.
+    fn times(&self, of: &[Uv], product: &mut [Uv]) {
+        scale(&self.blocks, of, product);
+        for &([a, b], [[uu, uv], [vu, vv]]) in &self.between {
+            let ([au, av], [bu, bv]) = (of[a as usize], of[b as usize]);
+            let b = &mut product[b as usize];
+            *b = [b[0] - (uu * au + uv * av), b[1] - (vu * au + vv * av)];
+            let a = &mut product[a as usize];
+            *a = [a[0] - (uu * bu + vu * bv), a[1] - (uv * bu + vv * bv)];
+        }
+    }
+
+    /// Improves `solution` by preconditioned conjugate gradients.
     fn solve(&self, solution: &mut [Uv], monitor: &Monitor) -> Result<(), Cancelled> {
-        let (right, blocks) = (self.right_side(), self.preconditioner());
-        let condition = |from: &[Uv], to: &mut [Uv]| {
-            for ((to, r), b) in to.iter_mut().zip(from).zip(&blocks) {
-                *to = [b[0] * r[0] + b[1] * r[1], b[1] * r[0] + b[2] * r[1]];
-            }
-        };
-        let mut product = vec![[0.0; 2]; right.len()];
-        let (mut conditioned, mut remainder) = (product.clone(), right.clone());
-        condition(&right, &mut conditioned);
+        let mut product = vec![[0.0; 2]; self.right.len()];
+        let (mut conditioned, mut remainder) = (product.clone(), self.right.clone());
+        scale(&self.inverses, &self.right, &mut conditioned);
         // Relative to the right side, so that rounds that begin near the solution end soon.
-        let enough = REMAINDER * REMAINDER * dot(&right, &conditioned);
+        let enough = REMAINDER * REMAINDER * dot(&self.right, &conditioned);
         // A warm start: the remainder is what the last round's solution leaves.
         self.times(solution, &mut product);
         add(&mut remainder, -1.0, &product);
-        condition(&remainder, &mut conditioned);
+        scale(&self.inverses, &remainder, &mut conditioned);
         let mut direction = conditioned.clone();
         let mut fall = dot(&remainder, &conditioned);
         for _ in 0..STEPS {
@@ -227,13 +278,20 @@ impl<'a> System<'a> {
             let length = fall / dot(&direction, &product);
             add(solution, length, &direction);
             add(&mut remainder, -length, &product);
-            condition(&remainder, &mut conditioned);
+            scale(&self.inverses, &remainder, &mut conditioned);
             let falls = dot(&remainder, &conditioned);
             let keep = falls / fall;
             direction.iter_mut().zip(&conditioned).for_each(|(d, n)| *d = [n[0] + keep * d[0], n[1] + keep * d[1]]);
             fall = falls;
         }
         Ok(())
+    }
+}
+
+/// Products of symmetric blocks (uu, uv, vv) with `of`.
+fn scale(blocks: &[[f64; 3]], of: &[Uv], product: &mut [Uv]) {
+    for ((product, x), block) in product.iter_mut().zip(of).zip(blocks) {
+        *product = [block[0] * x[0] + block[1] * x[1], block[1] * x[0] + block[2] * x[1]];
     }
 }
 
@@ -273,40 +331,26 @@ mod tests {
         let mut random = crate::synth::random::Stream::new(5, 0);
         let (views, count) = (6, 30);
         let truth: Vec<Uv> = (0..views * count).map(|_| [random.normal(), random.normal()]).collect();
-        let matrix = |view: usize| {
-            let (sin, cos) = (0.3 * view as f64).sin_cos();
-            let scale = 1.0 + 0.1 * view as f64;
-            [[scale * cos, -scale * sin], [scale * sin, scale * cos]]
-        };
         let mut links = Vec::new();
         for (x, y) in (0..views).flat_map(|x| (x + 1..views).map(move |y| (x, y))) {
-            let ([[a, b], [c, d]], to) = (matrix(x), matrix(y));
-            let determinant = a * d - b * c;
-            let back = [[d, -b], [-c, a]].map(|row| row.map(|x| x / determinant));
-            let jacobian = [0, 1].map(|i| [0, 1].map(|j| to[i][0] * back[0][j] + to[i][1] * back[1][j]));
+            let (sin, cos) = (0.3 * (y - x) as f64).sin_cos();
+            let jacobian = [[cos, -sin], [sin, cos]].map(|row| row.map(|c| c * (10 + y) as f64 / (10 + x) as f64));
             for k in 0..count {
                 let (a, b) = (x * count + k, y * count + k);
                 let term = Term { a, b, jacobian, shift: [0.0; 2], scale: 1.0, confidence: 1.0 };
-                links.push(Link {
-                    a,
-                    b,
-                    measured: Measured { shift_px: term.apart(&truth), jacobian, correlation: 0.95 },
-                });
+                let measured = Measured { shift_px: term.apart(&truth), jacobian, correlation: 0.95 };
+                links.push(Link { a, b, measured });
             }
         }
         (vec![4.0; truth.len()], truth, links)
-    }
-
-    /// Largest distance of corrections from the truth, apart from what all views of a place have in common.
-    fn contradiction(found: &Solved) -> f64 {
-        found.residuals_px.iter().copied().fold(0.0, f64::max)
     }
 
     #[test]
     fn what_all_pairs_say_is_satisfied() {
         let (sigmas, truth, links) = exact();
         let found = solved(&sigmas, &links);
-        assert!(contradiction(&found) < 0.05, "{}", contradiction(&found));
+        let contradiction = found.residuals_px.iter().copied().fold(0.0, f64::max);
+        assert!(contradiction < 0.05, "{contradiction}");
         // The prior makes the common part small; the rest of the errors is found.
         let length = |all: &[Uv]| dot(all, all);
         let left: Vec<Uv> = found.corrections.iter().zip(&truth).map(|(a, b)| [a[0] - b[0], a[1] - b[1]]).collect();
@@ -327,6 +371,17 @@ mod tests {
         let most = (0..sigmas.len()).map(moved).fold(0.0, f64::max);
         assert!(most < 0.05, "{most}");
         assert!(with.residuals_px[index] > 7.0, "{}", with.residuals_px[index]);
+    }
+
+    #[test]
+    fn refused_places_and_islands_leave_others_alone() {
+        let own = [link(0, 1, [1.0, 0.0], 0.9), link(1, 2, [0.0, 0.4], 0.8)];
+        let far = [link(3, 4, [8.0, 0.0], 1.0), link(2, 3, [0.0, 7.0], 0.9)];
+        // Place 3 may not move: 4 has no other match, and 2 the one of its own island.
+        let found = solve(&[2.0; 5], &[own, far].concat(), |place, _| place != 3, &Monitor::default());
+        let (found, alone) = (found.expect("not cancelled"), solved(&[2.0; 3], &own));
+        assert_eq!((&found.corrections[..3], found.refused), (&alone.corrections[..], 1));
+        assert_eq!(found.corrections[3..], [[0.0; 2]; 2]);
     }
 
     #[test]

@@ -12,6 +12,8 @@
 //! follow a χ distribution of four degrees of freedom, for which the paper's incomplete gamma functions are elementary:
 //! with x = r²/(2σ²_max), Γ(3/2, x) = ½√π·erfc(√x) + √x·e⁻ˣ and γ(5/2, x) = ¾√π·erf(√x) − (x^½·3/2 + x^3/2)·e⁻ˣ.
 //!
+//! A model that an earlier search found is improved first, and only a sample that is better than it was counts.
+//!
 //! The order is fixed, on one thread, and the random numbers are ChaCha's: the same input and seed give the same bits.
 
 use crate::matching::params::MatchParams;
@@ -45,7 +47,7 @@ pub(super) trait Problem {
     }
 }
 
-/// Minimum number of samples: a model found by luck should not end the search at once.
+/// Minimum number of samples where no model is known: one found by luck should not end the search at once.
 const MIN_ITERATIONS: usize = 50;
 /// Maximum number of steps of a local optimisation; most end after three to five.
 const POLISH_STEPS: usize = 50;
@@ -53,10 +55,12 @@ const POLISH_TOLERANCE: f64 = 1e-3;
 /// Damping: of the first step, its factors after a success and a failure, and its largest value.
 const DAMPING: (f64, f64, f64, f64) = (1e-6, 0.1, 100.0, 100.0);
 
-/// The model of least cost for inliers with errors up to `max_error`, and the number of samples; `order`: best first.
+/// The model of least cost for inliers with errors up to `max_error`, and the number of samples; `order`: best first. Of
+/// matches of which an earlier search kept the inliers, `known` is its model: less is left to find.
 pub(super) fn estimate<P: Problem>(
     problem: &P,
     order: Vec<usize>,
+    known: Option<P::Model>,
     max_error: f64,
     params: &MatchParams,
     monitor: &Monitor,
@@ -68,11 +72,17 @@ pub(super) fn estimate<P: Problem>(
     }
     let loss = Loss::new(max_error);
     let mut sampler = Sampler::new(order, P::SAMPLE_SIZE, params.seed);
-    let mut sample = vec![0; P::SAMPLE_SIZE];
-    let mut models = Vec::new();
-    let mut best: Option<(P::Model, f64)> = None;
-    let mut min_raw = f64::INFINITY;
-    let (mut iterations, mut needed) = (0, params.max_iterations);
+    let (mut sample, mut models) = (vec![0; P::SAMPLE_SIZE], Vec::new());
+    let least = if known.is_some() { 1 } else { MIN_ITERATIONS };
+    // The more inliers, the fewer samples until one of inliers alone is as good as certain.
+    let samples = |model: &P::Model| {
+        let inliers = problem.squared_errors(model).filter(|error| loss.is_inlier(*error)).count();
+        let needed = iterations_needed(inliers, count, P::SAMPLE_SIZE, f64::from(params.confidence));
+        needed.max(least).min(params.max_iterations)
+    };
+    let mut min_raw = known.as_ref().map_or(f64::INFINITY, |model| cost(problem, model, &loss));
+    let mut best = known.map(|model| polish(problem, model, min_raw, &loss));
+    let (mut iterations, mut needed) = (0, best.as_ref().map_or(params.max_iterations, |best| samples(&best.0)));
     while iterations < needed {
         if iterations % 64 == 0 {
             monitor.check()?;
@@ -86,15 +96,9 @@ pub(super) fn estimate<P: Problem>(
             let Some(raw) = cost_below(problem, model, &loss, min_raw) else { continue };
             min_raw = raw;
             let candidate = polish(problem, model.clone(), raw, &loss);
-            if best.as_ref().is_some_and(|(_, cost)| candidate.1 >= *cost) {
-                continue;
+            if best.as_ref().is_none_or(|(_, cost)| candidate.1 < *cost) {
+                (needed, best) = (samples(&candidate.0), Some(candidate));
             }
-            let inliers = problem.squared_errors(&candidate.0).filter(|error| loss.is_inlier(*error)).count();
-            best = Some(candidate);
-            // The more inliers, the fewer samples until one of inliers alone is as good as certain.
-            needed = iterations_needed(inliers, count, P::SAMPLE_SIZE, f64::from(params.confidence))
-                .max(MIN_ITERATIONS)
-                .min(params.max_iterations);
         }
     }
     monitor.check()?;
@@ -110,34 +114,29 @@ fn finished<P: Problem>(
     sampler: &mut Sampler,
 ) -> (P::Model, f64) {
     let attempt = |best: &mut (P::Model, f64), start: P::Model| {
-        if let Some(cost) = cost_below(problem, &start, loss, f64::INFINITY) {
-            let other = polish(problem, start, cost, loss);
-            if other.1 < best.1 {
-                *best = other;
-            }
+        let raw = cost(problem, &start, loss);
+        let other = polish(problem, start, raw, loss);
+        if other.1 < best.1 {
+            *best = other;
         }
     };
     // A cost twice as wide has fewer local minima in which a descent ends.
     let wide = Loss::new(2.0 * max_error);
-    if let Some(cost) = cost_below(problem, &best.0, &wide, f64::INFINITY) {
-        let (start, _) = polish(problem, best.0.clone(), cost, &wide);
-        attempt(&mut best, start);
-    }
+    let (start, _) = polish(problem, best.0.clone(), cost(problem, &best.0, &wide), &wide);
+    attempt(&mut best, start);
     if let Some(start) = problem.repair(&best.0, loss, sampler) {
         attempt(&mut best, start);
     }
     best
 }
 
+fn cost<P: Problem>(problem: &P, model: &P::Model, loss: &Loss) -> f64 {
+    problem.squared_errors(model).map(|squared_error| loss.cost(squared_error)).sum()
+}
+
 fn cost_below<P: Problem>(problem: &P, model: &P::Model, loss: &Loss, limit: f64) -> Option<f64> {
-    let mut sum = 0.0;
-    for squared_error in problem.squared_errors(model) {
-        sum += loss.cost(squared_error);
-        if sum >= limit {
-            return None;
-        }
-    }
-    Some(sum)
+    let add = |sum: f64, squared_error| Some(sum + loss.cost(squared_error)).filter(|sum| *sum < limit);
+    problem.squared_errors(model).try_fold(0.0, add)
 }
 
 /// Descends to the nearest local minimum of the cost, by reweighted least squares; never to a worse model.
@@ -175,14 +174,8 @@ fn polish<P: Problem>(problem: &P, model: P::Model, cost: f64, loss: &Loss) -> (
 fn iterations_needed(inliers: usize, count: usize, sample_size: usize, confidence: f64) -> usize {
     // Without replacement, as samples are drawn.
     let good = (0..sample_size).fold(1.0, |p, i| p * inliers.saturating_sub(i) as f64 / (count - i) as f64);
-    if good <= 0.0 {
-        return usize::MAX;
-    }
-    if good >= 1.0 {
-        return 1;
-    }
-    // Beyond usize the conversion saturates.
-    (libm::log(1.0 - confidence) / libm::log1p(-good)).ceil() as usize
+    // Infinite where none is good: beyond usize the conversion saturates.
+    (libm::log(1.0 - confidence) / libm::log1p(-good)).ceil().max(1.0) as usize
 }
 
 /// The largest residual in units of σ_max: the 99 % quantile of χ with four degrees of freedom.
@@ -195,15 +188,9 @@ struct Table {
     weight: [f64; STEPS + 1],
 }
 
-static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
-    let mut table = Box::new(Table { cost: [0.0; STEPS + 1], weight: [0.0; STEPS + 1] });
-    let (full_cost, full_weight) = (raw_cost(1.0), raw_weight(0.0));
-    for step in 0..=STEPS {
-        let fraction = step as f64 / STEPS as f64;
-        table.cost[step] = raw_cost(fraction) / full_cost;
-        table.weight[step] = raw_weight(fraction) / full_weight;
-    }
-    table
+static TABLE: LazyLock<Table> = LazyLock::new(|| {
+    let of = |raw: fn(f64) -> f64, full: f64| std::array::from_fn(|step| raw(step as f64 / STEPS as f64) / full);
+    Table { cost: of(raw_cost, raw_cost(1.0)), weight: of(raw_weight, raw_weight(0.0)) }
 });
 
 fn upper_gamma_3_2(x: f64) -> f64 {
@@ -361,19 +348,24 @@ mod tests {
         }
     }
 
-    fn found(numbers: Vec<f64>, monitor: &Monitor) -> Result<(Option<f64>, usize), Cancelled> {
+    fn found(numbers: Vec<f64>, known: Option<f64>, monitor: &Monitor) -> Result<(Option<f64>, usize), Cancelled> {
         let order = (0..numbers.len()).collect();
-        estimate(&Mean(numbers), order, 1.0, &MatchParams { seed: 1, ..MatchParams::default() }, monitor)
+        estimate(&Mean(numbers), order, known, 1.0, &MatchParams { seed: 1, ..MatchParams::default() }, monitor)
     }
 
     #[test]
     fn outliers_do_not_move_the_mean_too_few_have_none_and_cancelling_ends_it() {
         let numbers = [1.0, 1.2, 0.9, 1.1, 0.8, 40.0, 50.0, 60.0, 70.0, -30.0, -99.0].to_vec();
-        let (mean, iterations) = found(numbers, &Monitor::default()).expect("not cancelled");
+        let (mean, iterations) = found(numbers.clone(), None, &Monitor::default()).expect("not cancelled");
         assert!((mean.expect("a mean") - 1.0).abs() < 0.01);
         assert_eq!(iterations, MIN_ITERATIONS);
-        assert_eq!(found(Vec::new(), &Monitor::default()), Ok((None, 0)));
-        assert!(found(vec![1.0], &Monitor::cancelled()).is_err());
+        // A known mean needs the samples that five of eleven do; of a wrong one, samples find the right one.
+        for (known, samples) in [(1.3, 12), (55.3, 12)] {
+            let again = found(numbers.clone(), Some(known), &Monitor::default()).expect("not cancelled");
+            assert!((again.0.expect("a mean") - 1.0).abs() < 0.01 && again.1 == samples, "{again:?}");
+        }
+        assert_eq!(found(Vec::new(), None, &Monitor::default()), Ok((None, 0)));
+        assert!(found(vec![1.0], None, &Monitor::cancelled()).is_err());
     }
 
     /// ∫ f over `from..to` by Simpson's rule.

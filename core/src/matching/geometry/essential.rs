@@ -47,10 +47,9 @@ impl Problem for EssentialProblem<'_> {
         let [along_1, along_2] = tangents(&pose.translation);
         let e = pose.essential();
         // Derivatives of E for rotations about each axis, and for moves of the translation.
-        let turns = [Vector3::x(), Vector3::y(), Vector3::z()]
-            .map(|axis| cross_matrix(&pose.translation) * cross_matrix(&axis) * pose.rotation);
-        let moves = [along_1, along_2].map(|along| cross_matrix(&along) * pose.rotation);
-        let changes = [turns[0], turns[1], turns[2], moves[0], moves[1]];
+        let turn = |axis| cross_matrix(&pose.translation) * cross_matrix(&axis) * pose.rotation;
+        let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()].map(turn);
+        let changes = [x, y, z, cross_matrix(&along_1) * pose.rotation, cross_matrix(&along_2) * pose.rotation];
         let mut normal = SMatrix::<f64, 5, 5>::zeros();
         let mut right = SVector::<f64, 5>::zeros();
         let mut used = 0;
@@ -88,38 +87,16 @@ fn tangents(v: &Vector3<f64>) -> [Vector3<f64>; 2] {
     [first, v.cross(&first)]
 }
 
-/// Exponents of x, y and z in the monomials; the first ten are eliminated.
-const MONOMIALS: [[usize; 3]; 20] = [
-    [3, 0, 0],
-    [0, 3, 0],
-    [2, 1, 0],
-    [1, 2, 0],
-    [2, 0, 1],
-    [2, 0, 0],
-    [0, 2, 1],
-    [0, 2, 0],
-    [1, 1, 1],
-    [1, 1, 0],
-    [1, 0, 2],
-    [1, 0, 1],
-    [1, 0, 0],
-    [0, 1, 2],
-    [0, 1, 1],
-    [0, 1, 0],
-    [0, 0, 3],
-    [0, 0, 2],
-    [0, 0, 1],
-    [0, 0, 0],
-];
+/// Monomials by the exponents of x, y and z, as digits; the first ten are eliminated.
+const MONOMIALS: [usize; 20] = [300, 30, 210, 120, 201, 200, 21, 20, 111, 110, 102, 101, 100, 12, 11, 10, 3, 2, 1, 0];
 
 /// Coefficients in the order of [`MONOMIALS`].
 type Cubic = [f64; 20];
 
 /// Index in [`MONOMIALS`] of the product of two of them; 20 beyond the third degree.
 static PRODUCT: LazyLock<[[usize; 20]; 20]> = LazyLock::new(|| {
-    let sum = |i: usize, j: usize| std::array::from_fn(|axis| MONOMIALS[i][axis] + MONOMIALS[j][axis]);
-    let index = |exponents: [usize; 3]| MONOMIALS.iter().position(|of| *of == exponents).unwrap_or(20);
-    std::array::from_fn(|i| std::array::from_fn(|j| index(sum(i, j))))
+    let index = |exponents: usize| MONOMIALS.iter().position(|of| *of == exponents).unwrap_or(20);
+    MONOMIALS.map(|p| MONOMIALS.map(|q| index(p + q)))
 });
 
 /// Indices of x, y, z and 1 in `MONOMIALS`.

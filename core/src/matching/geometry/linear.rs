@@ -173,7 +173,7 @@ pub(super) struct Homography {
 
 impl Homography {
     /// With the sign for which most of `pairs` get positive third coordinates; `None` for a matrix that has no inverse.
-    fn oriented<'a>(h: &Matrix3<f64>, pairs: impl Iterator<Item = &'a RayPair>) -> Option<Self> {
+    pub(super) fn oriented<'a>(h: &Matrix3<f64>, pairs: impl Iterator<Item = &'a RayPair>) -> Option<Self> {
         let depth = |p: &RayPair| h.m31 * p.a[0] + h.m32 * p.a[1] + h.m33;
         let sign: f64 = pairs.map(|p| if depth(p) < 0.0 { -1.0 } else { 1.0 }).sum();
         let norm = h.norm();

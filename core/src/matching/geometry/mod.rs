@@ -22,6 +22,8 @@ use super::params::{Geometry, MatchParams};
 use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
 use consensus::estimate;
+use linear::Homography;
+use nalgebra::Matrix3;
 use points::{Normalisation, RayPair};
 
 /// Geometry that most of the matches agree on.
@@ -62,8 +64,14 @@ pub struct PointPair {
     pub rank: f32,
 }
 
-/// Finds the geometry on which most of `pairs` agree; `None` for [`Geometry::None`].
-pub fn verify(pairs: &[PointPair], params: &MatchParams, monitor: &Monitor) -> Result<Option<Verification>> {
+/// Finds the geometry on which most of `pairs` agree; `None` for [`Geometry::None`]. Of pairs that were inliers of a
+/// model before they moved, it is `known`.
+pub fn verify(
+    pairs: &[PointPair],
+    known: Option<&TwoViewModel>,
+    params: &MatchParams,
+    monitor: &Monitor,
+) -> Result<Option<Verification>> {
     params.validate()?;
     let points: Vec<RayPair> = pairs.iter().map(|p| RayPair { a: p.a, b: p.b }).collect();
     let mut order: Vec<usize> = (0..pairs.len()).collect();
@@ -71,26 +79,26 @@ pub fn verify(pairs: &[PointPair], params: &MatchParams, monitor: &Monitor) -> R
     if params.geometry == Geometry::None {
         return Ok(None);
     }
-    let (model, iterations) = best_model(&points, order, params, monitor)?;
+    let (model, iterations) = best_model(&points, order, known.map(TwoViewModel::matrix), params, monitor)?;
     Ok(Some(judge(pairs, model, iterations, params)))
 }
 
 fn judge(pairs: &[PointPair], model: Option<TwoViewModel>, iterations: usize, params: &MatchParams) -> Verification {
-    let none = || {
-        let (inlier, error_px) = (vec![false; pairs.len()], vec![f32::INFINITY; pairs.len()]);
-        Verification { model: None, inlier, error_px, iterations }
-    };
-    let Some(model) = model else { return none() };
-    let error_px: Vec<f32> = pairs.iter().map(|pair| model.error_px(pair.a, pair.b) as f32).collect();
-    let inlier: Vec<bool> = error_px.iter().map(|&error| error <= params.max_error_px).collect();
-    let found = Verification { model: Some(model), inlier, error_px, iterations };
-    if found.inlier_count() >= params.min_inliers { found } else { none() }
+    let error_px = |p: &PointPair| model.as_ref().map_or(f32::INFINITY, |model| model.error_px(p.a, p.b) as f32);
+    let error_px: Vec<f32> = pairs.iter().map(error_px).collect();
+    let inlier = error_px.iter().map(|&error| error <= params.max_error_px).collect();
+    let mut found = Verification { model, inlier, error_px, iterations };
+    if found.model.is_none() || found.inlier_count() < params.min_inliers {
+        found.refuse();
+    }
+    found
 }
 
-/// The model of the geometry of `params` on which most of `points` agree, and the number of samples.
+/// The model on which most of `points` agree, perhaps near one with the matrix `known`, and the number of samples.
 fn best_model(
     points: &[RayPair],
     order: Vec<usize>,
+    known: Option<&Matrix3<f64>>,
     params: &MatchParams,
     monitor: &Monitor,
 ) -> Result<(Option<TwoViewModel>, usize), Cancelled> {
@@ -100,18 +108,20 @@ fn best_model(
             points.iter().map(|p| RayPair { a: a.direction_of(p.a), b: b.direction_of(p.b) }).collect();
         let focal_px = [a.focal_px(), b.focal_px()];
         let problem = essential::EssentialProblem { pairs: &directions, focal_px };
-        estimate(&problem, order, max_error, params, monitor)?
+        estimate(&problem, order, known.copied(), max_error, params, monitor)?
     } else {
         let (normalisation, pairs) = Normalisation::of(points);
         // One scale for both images, so that an error in pixels is one in normalised coordinates.
         let max_error = max_error * normalisation.scale;
         if params.geometry == Geometry::Homography {
             let problem = linear::HomographyProblem { pairs: &pairs };
-            let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
+            let known = known.and_then(|h| Homography::oriented(&normalisation.homography_of_pixels(h), pairs.iter()));
+            let (found, iterations) = estimate(&problem, order, known, max_error, params, monitor)?;
             (found.map(|h| normalisation.homography_in_pixels(&h.forward)), iterations)
         } else {
             let problem = linear::FundamentalProblem { pairs: &pairs };
-            let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
+            let known = known.map(|f| normalisation.fundamental_of_pixels(f).normalize());
+            let (found, iterations) = estimate(&problem, order, known, max_error, params, monitor)?;
             (found.map(|f| normalisation.fundamental_in_pixels(&f).normalize()), iterations)
         }
     };
@@ -206,8 +216,8 @@ pub(in crate::matching) mod tests {
         MatchParams { geometry, max_error_px: 3.0, max_iterations: 100_000, camera, ..MatchParams::default() }
     }
 
-    fn found(scene: &Scene, geometry: Geometry) -> Verification {
-        let found = verify(&scene.pairs, &params(geometry, &scene.camera), &Monitor::default());
+    fn found(scene: &Scene, geometry: Geometry, known: Option<&TwoViewModel>) -> Verification {
+        let found = verify(&scene.pairs, known, &params(geometry, &scene.camera), &Monitor::default());
         found.expect("not cancelled").expect("asked for")
     }
 
@@ -239,7 +249,7 @@ pub(in crate::matching) mod tests {
                 (scene(&mut random, camera_bending(), (60, 0), 0.0, depth), &[Geometry::Essential][..], (1e-3, 0.1)),
             ] {
                 for &geometry in geometries {
-                    let found = found(&scene, geometry);
+                    let found = found(&scene, geometry, None);
                     assert_eq!(judged(&scene, &found), (60, 0), "{geometry:?}");
                     let worst = found.error_px.iter().copied().fold(0.0, f32::max);
                     assert!(worst < max_error_px, "{geometry:?}: {worst} px");
@@ -269,8 +279,11 @@ pub(in crate::matching) mod tests {
                     Geometry::Homography => on_a_plane(&mut random, (150, 350), 0.5),
                     _ => in_space(&mut random, (150, 350), 0.5),
                 };
-                let found = found(&scene, geometry);
+                let found = found(&scene, geometry, None);
                 let (right, wrong) = judged(&scene, &found);
+                // From its own model, less is left to find.
+                let again = self::found(&scene, geometry, found.model.as_ref());
+                assert!(judged(&scene, &again).0 >= right.min(149) && again.iterations <= found.iterations);
                 // By chance a random pair is within 3 px of its epipolar line about once in a hundred.
                 let by_chance = if geometry == Geometry::Homography { 1 } else { 14 };
                 assert!(right >= 147 && wrong <= by_chance, "{geometry:?}, seed {seed}: {right} right, {wrong} wrong");
@@ -283,7 +296,7 @@ pub(in crate::matching) mod tests {
         for seed in 0..5 {
             let mut random = Stream::new(0, 200 + seed);
             let scene = in_space(&mut random, (200, 200), 0.5);
-            let found = found(&scene, Geometry::Essential);
+            let found = found(&scene, Geometry::Essential, None);
             let inliers = scene.pairs.iter().zip(&found.inlier).filter(|(_, i)| **i);
             let inliers: Vec<_> = inliers.map(|(p, _)| (p.a, p.b)).collect();
             let (pose, in_front) = found.model.and_then(|m| m.relative_pose(&inliers)).expect("a pose");
@@ -303,15 +316,13 @@ pub(in crate::matching) mod tests {
         for seed in 0..5 {
             let mut random = Stream::new(0, 250 + seed);
             let scene = on_a_plane(&mut random, (200, 200), 0.5);
-            let truth = TwoViewModel::Essential {
-                essential: pose().essential(),
-                cameras: [scene.camera.clone(), scene.camera.clone()],
-            };
+            let params = params(Geometry::Essential, &scene.camera);
+            let truth = TwoViewModel::of(pose().essential(), &params).expect("a camera");
             let loss = super::consensus::Loss::new(3.0);
             let cost = |model: &TwoViewModel| -> f64 {
                 scene.pairs.iter().map(|p| loss.cost(model.error_px(p.a, p.b).powi(2))).sum()
             };
-            let model = found(&scene, Geometry::Essential).model.expect("a model");
+            let model = found(&scene, Geometry::Essential, None).model.expect("a model");
             assert!(cost(&model) < cost(&truth) + 4.0, "seed {seed}: {} against {}", cost(&model), cost(&truth));
         }
     }
@@ -325,7 +336,7 @@ pub(in crate::matching) mod tests {
                 if random.within(0.0, 1.0) < 0.9 { 6.0 / (1.0 + 0.3 * x - 0.2 * y) } else { random.within(2.5, 5.0) }
             };
             let scene = scene(&mut random, camera(), (200, 100), 0.3, depth);
-            let (right, wrong) = judged(&scene, &found(&scene, Geometry::Fundamental));
+            let (right, wrong) = judged(&scene, &found(&scene, Geometry::Fundamental, None));
             assert!(right >= 197 && wrong <= 6, "seed {seed}: {right} right, {wrong} wrong");
         }
     }
@@ -336,7 +347,7 @@ pub(in crate::matching) mod tests {
         let mut random = Stream::new(0, 9);
         let scene = in_space(&mut random, (50, 0), 0.0);
         for geometry in [Geometry::Fundamental, Geometry::Essential] {
-            let model = found(&scene, geometry).model.expect("a model");
+            let model = found(&scene, geometry, None).model.expect("a model");
             for pair in &scene.pairs {
                 let line = model.locus(1, pair.a, SIZE);
                 let along = [line[1][0] - line[0][0], line[1][1] - line[0][1]];
@@ -347,7 +358,7 @@ pub(in crate::matching) mod tests {
             }
         }
         let scene = on_a_plane(&mut random, (50, 0), 0.0);
-        let model = found(&scene, Geometry::Homography).model.expect("a model");
+        let model = found(&scene, Geometry::Homography, None).model.expect("a model");
         let pair = scene.pairs[0];
         let error = model.error_px(pair.a, [pair.b[0] + 2.0, pair.b[1]]);
         assert!((error - 2.0).abs() < 0.4, "{error}: nearly the same distance in both images");

@@ -184,12 +184,8 @@ fn bent(line: &Vector3<f64>, camera: &Camera, size: (usize, usize)) -> Vec<[f64;
     for step in 0..=8 {
         let part = f64::from(step) / 8.0;
         let across = [0, 1].map(|i| image.low[i] + part * (image.high[i] - image.low[i]));
-        for p in [
-            [across[0], image.low[1]],
-            [across[0], image.high[1]],
-            [image.low[0], across[1]],
-            [image.high[0], across[1]],
-        ] {
+        let ([x, y], [left, top], [right, bottom]) = (across, image.low, image.high);
+        for p in [[x, top], [x, bottom], [left, y], [right, y]] {
             let p = straightened(camera, p);
             reach =
                 Bounds { low: [0, 1].map(|i| reach.low[i].min(p[i])), high: [0, 1].map(|i| reach.high[i].max(p[i])) };

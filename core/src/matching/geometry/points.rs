@@ -54,15 +54,26 @@ impl Normalisation {
         Matrix3::new(s, 0.0, -s * centre[0], 0.0, s, -s * centre[1], 0.0, 0.0, 1.0)
     }
 
+    /// The inverse of [`Self::matrix`].
+    fn back(&self, [x, y]: [f64; 2]) -> Matrix3<f64> {
+        let px = 1.0 / self.scale;
+        Matrix3::new(px, 0.0, x, 0.0, px, y, 0.0, 0.0, 1.0)
+    }
+
     pub(super) fn fundamental_in_pixels(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
         self.matrix(self.centre_b).transpose() * f * self.matrix(self.centre_a)
     }
 
     pub(super) fn homography_in_pixels(&self, h: &Matrix3<f64>) -> Matrix3<f64> {
-        let s = self.scale;
-        let [x, y] = self.centre_b;
-        let back = Matrix3::new(1.0 / s, 0.0, x, 0.0, 1.0 / s, y, 0.0, 0.0, 1.0);
-        back * h * self.matrix(self.centre_a)
+        self.back(self.centre_b) * h * self.matrix(self.centre_a)
+    }
+
+    pub(super) fn fundamental_of_pixels(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
+        self.back(self.centre_b).transpose() * f * self.back(self.centre_a)
+    }
+
+    pub(super) fn homography_of_pixels(&self, h: &Matrix3<f64>) -> Matrix3<f64> {
+        self.matrix(self.centre_b) * h * self.back(self.centre_a)
     }
 }
 

@@ -237,7 +237,7 @@ fn params(geometry: Geometry) -> MatchParams {
 }
 
 fn verified(pairs: &[PointPair], params: &MatchParams) -> Verification {
-    verify(pairs, params, &quiet()).expect("not cancelled").expect("asked for")
+    verify(pairs, None, params, &quiet()).expect("not cancelled").expect("asked for")
 }
 
 fn pose() -> RelativePose {
@@ -352,7 +352,7 @@ fn hopeless_input_has_no_model_and_no_nan() {
     // Without any motion everything fits.
     let still: Vec<PointPair> = (0..40).map(|_| place(&mut random)).map(|a| PointPair { a, b: a, rank: 0.0 }).collect();
     assert_eq!(verified(&still, &params(Geometry::Homography)).inlier_count(), 40);
-    assert_eq!(verify(&still, &params(Geometry::None), &quiet()), Ok(None));
+    assert_eq!(verify(&still, None, &params(Geometry::None), &quiet()), Ok(None));
 }
 
 #[test]
