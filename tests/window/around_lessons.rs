@@ -223,7 +223,7 @@ fn the_first_page_offers_lessons() {
 }
 
 #[test]
-fn the_joint_rule_finds_as_many_landmarks_of_the_street_and_less_elsewhere() {
+fn the_joint_rule_loses_a_few_landmarks_of_the_street_and_more_elsewhere() {
     let step = lesson("blobs-at-every-scale").steps.iter().position(|step| step.title == "Which were lost");
     let mut window = at_step("blobs-at-every-scale", step.expect("the step"), SIZES[0]);
     window.run_action("compare with the truth").settle();
@@ -235,6 +235,6 @@ fn the_joint_rule_finds_as_many_landmarks_of_the_street_and_less_elsewhere() {
     choose(&mut window, "Slope extrema", "Joint");
     window.settle();
     let [found_jointly, elsewhere_jointly] = counts(&window);
-    assert!(found > 30 && found_jointly == found, "{found} and {found_jointly}, as the step says");
-    assert!(elsewhere_jointly < elsewhere, "{elsewhere} and {elsewhere_jointly}");
+    assert_eq!([found, found_jointly], [45, 41], "as the step says");
+    assert!(elsewhere_jointly + 4 < elsewhere, "{elsewhere} and {elsewhere_jointly}");
 }

@@ -184,7 +184,7 @@ fn folders_of_bursts_and_cut_sequences() {
     let both = DatasetSource { burst_length: Some(2), ..nights.clone() };
     assert_eq!(names(&both), ["a_f1", "b_f1", "b_f3"]);
     for (wrong, words) in [
-        (DatasetSource { burst_length: Some(3), ..nights.clone() }, "2 frames"),
+        (DatasetSource { burst_length: Some(3), ..nights.clone() }, "too few frames (2)"),
         (DatasetSource { burst_length: Some(0), ..nights.clone() }, "1"),
         (DatasetSource::of_bursts(vec![home.join("gone")]), "gone"),
         (DatasetSource::of_bursts(Vec::new()), "nothing"),

@@ -71,6 +71,7 @@ fn all_rows_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let error = model.results.pair.param_error.as_ref();
     let mut params = model.document.matching.clone();
     let p = &mut params;
+    offered_camera_ui(ui, model, p);
     let table = ParamTable { error, defaults: MatchParams::default(), frame_count: 0, note: None };
     let is_advanced = |record: &&Param<MatchParams>| ADVANCED.contains(record);
     let is_needed = |record: &&Param<MatchParams>| {
@@ -94,7 +95,6 @@ fn all_rows_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if fold_ui(ui, model, needed, changed, queue) {
         ADVANCED.iter().for_each(|record| row(ui, record));
     }
-    offered_camera_ui(ui, model, p);
     queue.edit(model.document, Action::SetMatching(Box::new(params)));
 }
 
