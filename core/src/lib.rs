@@ -52,6 +52,12 @@ pub mod monitor;
 pub mod plane;
 pub mod synth;
 
+/// The commit of which this was built, where the build says it in `BURSTSCOPE_COMMIT`, as `make run` does.
+pub const COMMIT: Option<&str> = match option_env!("BURSTSCOPE_COMMIT") {
+    Some(given) if !given.is_empty() => Some(given),
+    _ => None,
+};
+
 pub use burst::Burst;
 pub use detect::detect;
 pub use detector::{Detection, DetectorParams, Feature, SlopeGrid};

@@ -13,15 +13,9 @@ use clap::{Args, CommandFactory, Parser};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-/// The commit of which this was built, where the build says it, as `make` does.
-pub const COMMIT: Option<&str> = match option_env!("BURSTSCOPE_COMMIT") {
-    Some(given) if !given.is_empty() => Some(given),
-    _ => None,
-};
-
 /// Version, and what decides on the features: the revision of the detector. A build that is given its commit names it.
 static VERSION: LazyLock<String> = LazyLock::new(|| {
-    let commit = COMMIT.map_or_else(String::new, |commit| format!("{commit}, "));
+    let commit = burstscope_core::COMMIT.map_or_else(String::new, |commit| format!("{commit}, "));
     format!("{} ({commit}detector {REVISION})", env!("CARGO_PKG_VERSION"))
 });
 

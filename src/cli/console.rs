@@ -1,6 +1,5 @@
 //! Terminal of a command: results on the standard output, progress on the standard error, signals cancel the work.
 
-use super::commands::COMMIT;
 use super::failure::{complain, print, print_json, printable};
 use super::{Failure, OutputArgs, signals};
 use crate::detector::{REVISION, memory};
@@ -116,7 +115,7 @@ impl Console {
         if !self.output.json {
             return Ok(());
         }
-        let (version, commit, detector_revision) = (env!("CARGO_PKG_VERSION"), COMMIT, REVISION);
+        let (version, commit, detector_revision) = (env!("CARGO_PKG_VERSION"), burstscope_core::COMMIT, REVISION);
         let document = Both { one: document! { version, commit, detector_revision, command }, other: report };
         let text = serde_json::to_string_pretty(&document)
             .context("cannot put the results into JSON")

@@ -135,11 +135,13 @@ pub enum NotKept {
     Failed(#[from] Error),
 }
 
-pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<()> {
-    if claims(folder, OutputKind::Dataset).as_ref() == Some(manifest) {
+pub(super) fn write_manifest(folder: &Path, made_from: &MadeFrom) -> Result<()> {
+    let mut manifest = json!(made_from);
+    manifest["commit"] = json!(crate::COMMIT);
+    if claims(folder, OutputKind::Dataset).as_ref() == Some(&manifest) {
         return Ok(());
     }
-    let text = claiming(OutputKind::Dataset, manifest);
+    let text = claiming(OutputKind::Dataset, &manifest);
     write_whole(&folder.join(OutputKind::Dataset.file()), |out| out.write_all(text.as_bytes()))
 }
 

@@ -104,11 +104,10 @@ fn samples(gaussians: [(f64, f64); 4], outs: [&mut [f32]; 4]) {
         value[k] = (-0.5 * d * d * inverse).exp() / (2.0 * std::f64::consts::PI * variance).sqrt();
         (ratio[k], fall[k]) = ((-(d + 0.5) * inverse).exp(), (-inverse).exp());
     }
-    let count = outs[0].len();
-    let outs = outs.map(|out| &mut out[..count]);
-    for i in 0..count {
-        for k in 0..4 {
-            outs[k][i] = value[k] as f32;
+    let [a, b, c, d] = outs;
+    for (((a, b), c), d) in a.iter_mut().zip(b).zip(c).zip(d) {
+        for (k, out) in [a, b, c, d].into_iter().enumerate() {
+            *out = value[k] as f32;
             value[k] *= ratio[k];
             ratio[k] *= fall[k];
         }
