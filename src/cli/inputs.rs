@@ -35,7 +35,7 @@ impl Input {
         Some(Self { name: word.display().to_string(), source: Ok(source) })
     }
 
-    /// The name, to be changed, and what it is of; `None` for what is no file.
+    /// Name, to be changed, and first path of the burst; `None` for a built-in burst, which has no path.
     fn name_and_path(&mut self) -> (&mut String, Option<PathBuf>) {
         let path = self.paths().first().cloned();
         (&mut self.name, path)

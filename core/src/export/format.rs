@@ -105,17 +105,18 @@ pub fn safe_file_name(name: &str) -> String {
     format!("{}{checksum}", &name[..name.floor_char_boundary(LONGEST_NAME - checksum.len())])
 }
 
-/// Names apart what would give the same file name ([`safe_file_name`]), even where upper and lower case are the same, by
-/// the folder in which the path lies that a name is of, or by a number where that is not known or not enough.
+/// Makes file names ([`safe_file_name`]) unique, even where upper and lower case are the same. Names that clash get the
+/// name of the folder above their path in front (`n1_a`); those that clash still, or have no path, get a number.
 pub fn make_file_names_unique<'a>(names: impl Iterator<Item = (&'a mut String, Option<PathBuf>)>) {
     let key = |name: &str| safe_file_name(name).to_lowercase();
     let (names, mut taken): (Vec<_>, HashSet<String>) = (names.collect(), HashSet::new());
-    let keys: Vec<String> = names.iter().map(|(name, _)| key(name)).collect();
-    for ((name, path), own) in names.into_iter().zip(&keys) {
+    let mut uses = std::collections::HashMap::<String, usize>::new();
+    names.iter().for_each(|(name, _)| *uses.entry(key(name)).or_default() += 1);
+    for (name, path) in names {
         let is_of_name = |path: &&Path| [path.file_name(), path.file_stem()].contains(&Some(OsStr::new(&*name)));
         let of_name = path.as_ref().and_then(|path| path.ancestors().find(is_of_name));
         let folder = of_name.and_then(Path::parent).and_then(Path::file_name);
-        if let Some(folder) = folder.filter(|_| keys.iter().filter(|key| *key == own).count() > 1) {
+        if let Some(folder) = folder.filter(|_| uses[&key(name)] > 1) {
             *name = format!("{}_{name}", folder.to_string_lossy());
         }
         if !taken.insert(key(name)) {

@@ -245,7 +245,7 @@ pub struct CursorRow<'a> {
     pub range: RangeInclusive<f32>,
     pub marks: &'a [f32],
     pub whole: bool,
-    /// What the slider beside the number reaches; `None` for no slider.
+    /// Range of the slider beside the number, in the unit of the value; `None` without a slider.
     pub slides: Option<egui::Rangef>,
 }
 

@@ -92,12 +92,12 @@ pub fn solve(
     let mut corrections = vec![[0.0; 2]; sigmas.len()];
     let (mut is_refused, mut is_open) = (vec![false; sigmas.len()], vec![true; sigmas.len()]);
     for _ in 0..PASSES {
-        // What is solved for begins anew; a place that lost all matches has no island.
+        // Open places begin at 0 again. One that lost all its matches is in no component, and stays there.
         corrections.iter_mut().zip(&is_open).filter(|(_, open)| **open).for_each(|(of_place, _)| *of_place = [0.0; 2]);
-        let islands = Island::all(&terms, &is_open);
-        let solved = islands.par_iter().map(|island| island.solved(&prior, monitor));
-        for (island, solved) in islands.iter().zip(solved.collect::<Result<Vec<_>, _>>()?) {
-            island.places.iter().zip(solved).for_each(|(place, solved)| corrections[*place] = solved);
+        let components = Component::all(&terms, &is_open);
+        let solved = components.par_iter().map(|component| component.solved(&prior, monitor));
+        for (component, solved) in components.iter().zip(solved.collect::<Result<Vec<_>, _>>()?) {
+            component.places.iter().zip(solved).for_each(|(place, solved)| corrections[*place] = solved);
         }
         is_open.fill(false);
         for (place, correction) in corrections.iter_mut().enumerate() {
@@ -151,18 +151,18 @@ impl Term {
     }
 }
 
-/// Places that matches join, and no match joins with others: they have a solution of their own.
+/// Connected component of places and matches: its corrections do not depend on those of other components.
 #[derive(Default)]
-struct Island {
+struct Component {
     places: Vec<usize>,
-    /// Between its places, by their numbers in the island.
+    /// Matches between its places, which are numbered within the component.
     terms: Vec<Term>,
 }
 
-impl Island {
-    /// Islands with a place that `is_open`.
+impl Component {
+    /// Components with a place that `is_open`, in the order of their first places.
     fn all(terms: &[Term], is_open: &[bool]) -> Vec<Self> {
-        // Each place leads to an earlier one of its island; the first leads to itself.
+        // Each place leads to an earlier one of its component; the first leads to itself.
         let mut earlier: Vec<usize> = (0..is_open.len()).collect();
         let mut first = |mut place: usize, to: Option<usize>| {
             while earlier[place] != place {
@@ -177,19 +177,19 @@ impl Island {
             let (a, b) = (first(term.a, None), first(term.b, None));
             first(a.max(b), Some(a.min(b)));
         }
-        let mut islands: BTreeMap<usize, Self> = BTreeMap::new();
-        known().for_each(|term| islands.entry(first(term.a, None)).or_default().terms.push(*term));
-        islands.retain(|_, island| island.terms.iter().any(|term| is_open[term.a] || is_open[term.b]));
+        let mut components: BTreeMap<usize, Self> = BTreeMap::new();
+        known().for_each(|term| components.entry(first(term.a, None)).or_default().terms.push(*term));
+        components.retain(|_, component| component.terms.iter().any(|term| is_open[term.a] || is_open[term.b]));
         let mut within = vec![0; is_open.len()];
         for (place, within) in within.iter_mut().enumerate() {
-            if let Some(island) = islands.get_mut(&first(place, None)) {
-                *within = island.places.len();
-                island.places.push(place);
+            if let Some(component) = components.get_mut(&first(place, None)) {
+                *within = component.places.len();
+                component.places.push(place);
             }
         }
-        let terms = islands.values_mut().flat_map(|island| &mut island.terms);
+        let terms = components.values_mut().flat_map(|component| &mut component.terms);
         terms.for_each(|term| (term.a, term.b) = (within[term.a], within[term.b]));
-        islands.into_values().collect()
+        components.into_values().collect()
     }
 
     /// Corrections of its places.
@@ -208,7 +208,7 @@ impl Island {
     }
 }
 
-/// The normal equations of an island.
+/// The normal equations of a component.
 struct System {
     /// Blocks on the diagonal, and their inverses: (uu, uv, vv) of each place.
     blocks: Vec<[f64; 3]>,
@@ -374,10 +374,10 @@ mod tests {
     }
 
     #[test]
-    fn refused_places_and_islands_leave_others_alone() {
+    fn refused_places_and_other_components_leave_places_alone() {
         let own = [link(0, 1, [1.0, 0.0], 0.9), link(1, 2, [0.0, 0.4], 0.8)];
         let far = [link(3, 4, [8.0, 0.0], 1.0), link(2, 3, [0.0, 7.0], 0.9)];
-        // Place 3 may not move: 4 has no other match, and 2 the one of its own island.
+        // Place 3 stays where it is. Place 4 has a match with place 3 alone; place 2 keeps its match with place 1.
         let found = solve(&[2.0; 5], &[own, far].concat(), |place, _| place != 3, &Monitor::default());
         let (found, alone) = (found.expect("not cancelled"), solved(&[2.0; 3], &own));
         assert_eq!((&found.corrections[..3], found.refused), (&alone.corrections[..], 1));

@@ -55,8 +55,8 @@ const POLISH_TOLERANCE: f64 = 1e-3;
 /// Damping: of the first step, its factors after a success and a failure, and its largest value.
 const DAMPING: (f64, f64, f64, f64) = (1e-6, 0.1, 100.0, 100.0);
 
-/// The model of least cost for inliers with errors up to `max_error`, and the number of samples; `order`: best first. Of
-/// matches of which an earlier search kept the inliers, `known` is its model: less is left to find.
+/// The model of least cost for inliers with errors up to `max_error`, and the number of samples; `order`: best first.
+/// `known` is the model of an earlier search of which these matches are the inliers: less is left to find.
 pub(super) fn estimate<P: Problem>(
     problem: &P,
     order: Vec<usize>,

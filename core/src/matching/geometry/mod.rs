@@ -64,8 +64,8 @@ pub struct PointPair {
     pub rank: f32,
 }
 
-/// Finds the geometry on which most of `pairs` agree; `None` for [`Geometry::None`]. Of pairs that were inliers of a
-/// model before they moved, it is `known`.
+/// Finds the geometry on which most of `pairs` agree; `None` for [`Geometry::None`]. `known` is the model of which the
+/// pairs were inliers before their places moved; `None` where there was none.
 pub fn verify(
     pairs: &[PointPair],
     known: Option<&TwoViewModel>,

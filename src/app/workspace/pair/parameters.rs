@@ -100,10 +100,9 @@ fn all_rows_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 
 /// Offers the cameras of files beside the bursts, which the commands take unasked, unless another one is given.
 fn offered_camera_ui(ui: &mut Ui, model: Read<'_>, p: &mut MatchParams) {
-    let of = |side| model.burst_of(side).and_then(|open| open.camera.as_ref());
+    let of = |side| model.burst_of(side).and_then(|open| open.camera.as_ref()).filter(|_| p.camera.is_none());
     let (a, b) = (of(Side::A), if model.burst_of(Side::B).is_some() { of(Side::B) } else { of(Side::A) });
     match (a, b) {
-        _ if p.camera.is_some() => {}
         (Some(Err(why)), _) | (_, Some(Err(why))) => _ = error_ui(ui, RichText::new(why.to_string()).small()),
         (Some(Ok(a)), Some(Ok(b))) => {
             let tip = format!("{a}, of the file beside the frames: matches are then verified by the essential matrix");
