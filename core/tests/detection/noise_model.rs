@@ -109,6 +109,62 @@ fn blocks_that_a_codec_flattened_are_no_evidence_of_low_noise() {
 }
 
 #[test]
+fn lines_of_any_period_are_taken_off_and_what_is_not_a_whole_line_stays() {
+    let mut all = 0;
+    for (kind, sigma, level) in [
+        ("still-banding:strength=2:period=7:phase=0.25", 0.005, 0.15),
+        ("still-banding:period=16", 0.02, 0.5),
+        ("breathing-10+still-banding:strength=0.5:period=40", 0.005, 0.15),
+        ("still-banding:strength=2:period=90", 0.02, 0.15),
+        ("banding:strength=0.5:period=16", 0.01, 0.5),
+        ("drifting-stripes-2.6:period=16:phase=0.5", 0.05, 0.5),
+        ("drifting-stripes-1.5+still-banding:period=40", 0.02, 0.5),
+    ] {
+        let kind: NoiseKind = kind.parse().expect("a kind");
+        for seed in [31, 32] {
+            let burst = kind.burst_at(level, (480, 360), 10, sigma, seed, &quiet()).expect("a burst");
+            let detection = found(&burst, NoiseModelKind::Local);
+            println!("{}, seed {seed}: {}", kind.name(), detection.features.len());
+            all += detection.features.len();
+            assert!(detection.noise.warnings.iter().any(|w| w.kind == WarningKind::ChangingLines));
+        }
+    }
+    // Six a megapixel of 2.4 would be 14; before, single bursts had hundreds.
+    assert!(all <= 6, "{all}");
+    // Bars that end within the image, or lean, are a scene.
+    let with = |bars: fn(usize, usize) -> f32| {
+        let frames = NoiseCase::White.burst((480, 360), 10, 0.02, 5, &quiet()).expect("a burst").frames;
+        let with_bars = |frame: &std::sync::Arc<Plane>| Plane::from_fn(480, 360, |u, v| frame.at(u, v) + bars(u, v));
+        let burst = Burst::from_planes("bars", frames.iter().map(with_bars).collect());
+        let pattern = found(&burst, NoiseModelKind::Local).noise.pattern;
+        pattern.changing_columns.or(pattern.changing_rows)
+    };
+    let bar = |x: f32| 0.02 * (0.4 * x).sin();
+    assert_eq!(with(|u, v| if v < 150 { bar(u as f32) } else { 0.0 }), None);
+    assert_eq!(with(|u, v| bar(u as f32 + 0.05 * v as f32)), None);
+    assert!(with(|u, _| bar(u as f32)).is_some());
+}
+
+#[test]
+fn on_bands_as_much_is_found_as_without_them() {
+    let chart = ChartParams { snr: 0.5, ..ChartParams::default() };
+    let (burst, truth) = synth_chart(&chart, &quiet()).expect("a chart");
+    let band = |v: usize| 0.01 * (std::f32::consts::TAU * v as f32 / 16.0).sin();
+    let banded = |frame: &std::sync::Arc<Plane>| {
+        let (width, height) = frame.size();
+        Plane::from_fn(width, height, |u, v| frame.at(u, v) + band(v))
+    };
+    let with_bands = Burst::from_planes("banded", burst.frames.iter().map(banded).collect());
+    let of = |burst: &Burst| {
+        let features = found(burst, NoiseModelKind::Local).features;
+        truth.features.iter().filter(|disc| features.iter().any(|feature| finds(feature, disc))).count()
+    };
+    let (without, with) = (of(&burst), of(&with_bands));
+    println!("discs {without} without bands, {with} with");
+    assert!(without > 60 && with + 3 >= without, "{without} {with}");
+}
+
+#[test]
 fn every_kind_of_noise_is_warned_of() {
     use WarningKind::*;
     for (case, kind) in [

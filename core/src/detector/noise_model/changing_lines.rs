@@ -2,8 +2,8 @@
 //!
 //! Unlike a scene, a line has the same offset from one end of the image to the other. Offsets are measured in eight
 //! bands across the lines: the power that even and odd bands share is compared with the variance between bands. Sharp
-//! lines have little in common with the next one, since no lens makes structure so sharp; wide ones are weak and agree
-//! closely in all bands. Without this `drifting-stripes-0.3` has 13 590 false features a megapixel, not 6.
+//! lines have little in common with the next one, since no lens makes structure so sharp; wide ones are weak, and bands
+//! differ by little more than their noise. Without this `drifting-stripes-0.3` has 13 590 false features a megapixel, not 6.
 
 use super::reading::{Lines, less_local_mean, lines_of};
 use crate::plane::Plane;
@@ -21,9 +21,9 @@ pub struct ChangingLines {
     coarse: f32,
     /// Whether neighbouring lines differ, which decides how the offsets are measured and taken off.
     pub extent: Extent,
-    /// Whether the smooth part of sharp offsets is shared by all bands as well, so that it is taken off too.
+    /// Whether all bands share the smooth part of the offsets, and the sharp one, so that it is taken off.
     #[serde(skip)]
-    is_whole: bool,
+    parts: [bool; 2],
 }
 
 /// Extent of a pattern of lines: over how many lines an offset reaches.
@@ -38,56 +38,74 @@ pub enum Extent {
 
 /// Number of standard errors above which the power shared by bands is significant.
 const SURE: f32 = 6.0;
-/// Correlation with the next two lines up to which lines are sharp: interpolation shares up to a half with the next.
-const SHARP: [f32; 2] = [0.6, 0.4];
-/// Minimum ratio of the power that the bands share to the variance between them, for sharp and for wide lines.
+/// Correlation with the next two lines up to which lines are sharp. Interpolation shares up to a half with the next, a
+/// camera that smooths over three pixels two thirds; a scene shares more with the one after.
+pub(super) const SHARP: [f32; 2] = [0.75, 0.4];
+/// Minimum ratio of the power that the bands share to the variance between them, and, for wide lines, to as much of it
+/// as is not noise.
 const SHARED: [f32; 2] = [0.25, 4.0];
-/// Maximum amplitude of wide lines, relative to the brightness.
-const MAX_WIDE: f32 = 0.05;
+/// Error of the noise that is expected between bands, relative to it.
+const NOISE_ERROR: f32 = 0.025;
+/// Maximum amplitude of the smooth and of the sharp part of wide lines, relative to the brightness.
+const MAX_WIDE: [f32; 2] = [0.05, 0.2];
 /// Inverse of the share of white offsets' power that two linear interpolations may leave.
 const INTERPOLATED: f32 = 2.0;
 const MAX_TRIED: f32 = 200.0;
-/// Number of lines to each side over which wide offsets are smoothed.
+/// Number of lines to each side in the mean that parts smooth and sharp offsets of wide lines.
 const SMOOTHED: usize = 4;
+/// Share of the noise of a band's mean in its smooth and in its sharp part.
+const SHARE_OF_NOISE: [f32; 2] = [1.0 / 9.0, 8.0 / 9.0];
 
 impl ChangingLines {
     /// Finds the offsets, given the mean `brightness` and the `slopes` of the search across the lines, lines per frame.
     pub(super) fn find(frames: &[Lines], brightness: f32, slopes: &[f32]) -> Option<Self> {
+        let noise = noise_of(frames);
         [Extent::Sharp, Extent::Wide].into_iter().find_map(|extent| {
-            // Even and odd bands see the same offsets and different noise: their product has no bias by noise.
-            let found: Vec<Shared> = frames.iter().map(|frame| Shared::of(&less_surroundings(frame, extent))).collect();
-            let n = found.iter().map(|frame| frame.even.len()).sum::<usize>() as f32;
-            let sum = |of: &dyn Fn(&Shared) -> f32| found.iter().map(of).sum::<f32>() / n;
-            let common = sum(&|frame| dot(&frame.even, &frame.odd));
-            let error =
-                (sum(&|frame| dot(&frame.even, &frame.even)) * sum(&|frame| dot(&frame.odd, &frame.odd)) / n).sqrt();
-            let between = sum(&|frame| frame.between);
-            let is_common = common > SURE * error;
-            let tells = match extent {
-                // A scene is smooth: sharp offsets must fall off within a line or two. Wide ones must be weak instead.
-                Extent::Sharp => {
-                    let next = |by: usize| sum(&|frame| dot(&frame.even, &frame.odd[by.min(frame.odd.len())..]));
-                    common > SHARED[0] * between && next(1) <= SHARP[0] * common && next(2) <= SHARP[1] * common
-                }
-                Extent::Wide => common > SHARED[1] * between && common.sqrt() <= MAX_WIDE * brightness.abs(),
+            let of_frames: Vec<[Lines; 2]> = frames.iter().map(|frame| parts(frame, extent)).collect();
+            let shared = [0, 1].map(|part| Shared::of(of_frames.iter().map(|parts| &parts[part])));
+            let is_weak = |i: usize| shared[i].common.sqrt() <= MAX_WIDE[i] * brightness.abs();
+            let tells = |i: usize| {
+                let Shared { common, error, between, next } = shared[i];
+                let is_told_apart = match (extent, i) {
+                    // A scene is smooth: sharp offsets must fall off within a line or two.
+                    (Extent::Sharp, 1) => {
+                        common > SHARED[0] * between && (0..2).all(|by| next[by] <= SHARP[by] * common)
+                    }
+                    (Extent::Sharp, _) => false,
+                    // Wide ones must be weak instead, and bands may differ by noise alone.
+                    (Extent::Wide, _) => {
+                        let noise = noise * SHARE_OF_NOISE[i];
+                        common > SHARED[1] * (between - noise).max(NOISE_ERROR * noise) && is_weak(i)
+                    }
+                };
+                common > SURE * error && is_told_apart
             };
-            (is_common && tells).then(|| {
-                let offsets: Vec<Vec<f32>> = frames.iter().map(|frame| offsets(frame, extent)).collect();
-                let next = sum(&|frame| dot(&frame.even, &frame.odd[1..])).max(0.0);
-                let coarse = 1.0 + 2.0 * next / common;
-                let is_whole = extent == Extent::Sharp && shares_smooth_part(frames, brightness);
-                Self { deviation: common.sqrt(), lasting: lasting(&offsets, slopes), coarse, extent, is_whole }
+            let told = [0, 1].map(tells);
+            told.contains(&true).then(|| {
+                // The other part goes too where the bands share it.
+                let goes = |i: usize| shared[i].common > SHARED[0] * shared[i].between && is_weak(i);
+                let parts = [0, 1].map(|i| told[i] || goes(i));
+                let common = (0..2).filter(|i| parts[*i]).map(|i| shared[i].common).sum::<f32>();
+                let coarse = 1.0 + 2.0 * shared[1].next[0].max(0.0) / shared[1].common;
+                let mut lines = Self { deviation: common.sqrt(), lasting: 1.0, coarse, extent, parts };
+                let offsets: Vec<Vec<f32>> = frames.iter().map(|frame| lines.offsets(frame)).collect();
+                lines.lasting = lasting(&offsets, slopes);
+                lines
             })
         })
     }
 
+    /// Offsets of the lines of a frame, of the parts that are taken off.
+    fn offsets(&self, frame: &Lines) -> Vec<f32> {
+        if self.parts == [true; 2] {
+            return median(frame.iter().map(|band| less_line(band)));
+        }
+        let [smooth, sharp] = parts(frame, self.extent);
+        median(if self.parts[0] { smooth } else { sharp }.into_iter())
+    }
+
     pub(super) fn remove_from(&self, frame: &mut Plane, axis: usize) {
-        let lines = &lines_of(frame)[axis];
-        let offsets = match self.is_whole {
-            // With a straight line taken off alone, the smooth part of the offsets goes too.
-            true => median(less_surroundings(lines, Extent::Wide).iter()),
-            false => offsets(lines, self.extent),
-        };
+        let offsets = self.offsets(&lines_of(frame)[axis]);
         for v in 0..frame.height() {
             let row = frame.row_mut(v);
             if axis == 0 {
@@ -100,66 +118,71 @@ impl ChangingLines {
 
     /// Variance, in the frames' mean, of independent lines with the offsets' coarse means, which interpolation keeps.
     pub(super) fn variance_in_mean(&self) -> f32 {
-        if self.is_whole { 0.0 } else { self.deviation.powi(2) * self.coarse * (INTERPOLATED * self.lasting).min(1.0) }
+        if self.parts[0] { 0.0 } else { self.deviation.powi(2) * self.coarse * (INTERPOLATED * self.lasting).min(1.0) }
     }
 }
 
+/// Powers of offsets, means over the lines of all frames.
 struct Shared {
-    even: Vec<f32>,
-    odd: Vec<f32>,
-    /// Variance between the bands, summed over the lines.
+    /// Product of even and odd bands, which see the same offsets and different noise, so that noise adds no bias.
+    common: f32,
+    /// Standard error of `common` where nothing is shared.
+    error: f32,
+    /// Variance between the bands.
     between: f32,
+    /// Product with the next line and with the one after it.
+    next: [f32; 2],
 }
 
 impl Shared {
-    fn of(bands: &Lines) -> Self {
-        let half = |first: usize| median(bands.iter().skip(first).step_by(2));
-        let count = bands.len() as f32;
-        let between = (0..bands[0].len())
-            .map(|i| {
+    fn of<'a>(frames: impl Iterator<Item = &'a Lines>) -> Self {
+        let (mut products, mut between, mut lines) = ([0.0; 5], 0.0, 0.0);
+        for bands in frames {
+            let [even, odd] = [0, 1].map(|first| median(bands.iter().skip(first).step_by(2).cloned()));
+            let next = |by: usize| dot(&even, &odd[by.min(odd.len())..]);
+            let of_frame = [next(0), next(1), next(2), dot(&even, &even), dot(&odd, &odd)];
+            products.iter_mut().zip(of_frame).for_each(|(sum, x)| *sum += x);
+            let count = bands.len() as f32;
+            for i in 0..bands[0].len() {
                 let (sum, squares) = bands.iter().fold((0.0, 0.0), |(a, b), band| (a + band[i], b + band[i] * band[i]));
-                (squares - sum * sum / count) / (count - 1.0)
-            })
-            .sum();
-        Self { even: half(0), odd: half(1), between }
+                between += (squares - sum * sum / count) / (count - 1.0);
+            }
+            lines += even.len() as f32;
+        }
+        let [common, next, after, even, odd] = products.map(|sum| sum / lines);
+        Self { common, error: (even * odd / lines).sqrt(), between: between / lines, next: [next, after] }
     }
 }
 
-/// Whether all bands also share the smooth part of sharp offsets, and the part is small enough to be no scene.
-fn shares_smooth_part(frames: &[Lines], brightness: f32) -> bool {
-    let smooth = |frame: &Lines| {
-        let mut smooth = less_surroundings(frame, Extent::Wide);
-        let sharp = less_surroundings(frame, Extent::Sharp);
-        smooth.iter_mut().flatten().zip(sharp.iter().flatten()).for_each(|(whole, sharp)| *whole -= sharp);
-        Shared::of(&smooth)
+/// Variance of a band's mean by noise: white along the lines, as what the bands show of a scene is not.
+fn noise_of(frames: &[Lines]) -> f32 {
+    let second = |x: &[f32]| x.windows(3).map(|x| (x[0] - 2.0 * x[1] + x[2]).powi(2)).sum::<f32>();
+    let of_frame = |bands: &Lines| {
+        let count = bands.len() as f32;
+        let mean: Vec<f32> =
+            (0..bands[0].len()).map(|i| bands.iter().map(|band| band[i]).sum::<f32>() / count).collect();
+        let less_mean = |band: &Vec<f32>| band.iter().zip(&mean).map(|(x, mean)| x - mean).collect::<Vec<f32>>();
+        bands.iter().map(|band| second(&less_mean(band))).sum::<f32>() / (6.0 * (count - 1.0) * mean.len() as f32)
     };
-    let found: Vec<Shared> = frames.iter().map(smooth).collect();
-    let sum = |of: fn(&Shared) -> f32| found.iter().map(of).sum::<f32>();
-    let common = sum(|frame| dot(&frame.even, &frame.odd));
-    let lines = found.iter().map(|frame| frame.even.len()).sum::<usize>() as f32;
-    common > SHARED[0] * sum(|frame| frame.between) && (common / lines).sqrt() <= MAX_WIDE * brightness.abs()
+    frames.iter().map(of_frame).sum::<f32>() / frames.len() as f32
 }
 
-pub(super) fn offsets(frame: &Lines, extent: Extent) -> Vec<f32> {
-    let offsets = median(less_surroundings(frame, extent).iter());
-    match extent {
-        Extent::Sharp => offsets,
-        Extent::Wide => (0..offsets.len())
-            .map(|i| {
-                let around = &offsets[i.saturating_sub(SMOOTHED)..(i + SMOOTHED + 1).min(offsets.len())];
-                around.iter().sum::<f32>() / around.len() as f32
-            })
-            .collect(),
-    }
+/// Smooth and sharp part of the values of each band, less their straight line.
+fn parts(frame: &Lines, extent: Extent) -> [Lines; 2] {
+    let straight: Lines = frame.iter().map(|band| less_line(band)).collect();
+    let sharp_part = if extent == Extent::Sharp { less_local_mean } else { less_even_mean };
+    let sharp: Lines = straight.iter().map(|band| sharp_part(band)).collect();
+    let less = |(whole, sharp): (&Vec<f32>, &Vec<f32>)| whole.iter().zip(sharp).map(|(x, s)| x - s).collect();
+    [straight.iter().zip(&sharp).map(less).collect(), sharp]
 }
 
-/// Values of each band less the mean of those around, or, for wide offsets, less their straight line.
-fn less_surroundings(frame: &Lines, extent: Extent) -> Lines {
-    let less = |values: &Vec<f32>| match extent {
-        Extent::Sharp => less_local_mean(values),
-        Extent::Wide => less_line(values),
+/// Values less the mean of as many to both sides, so that bands are not bent at the ends.
+fn less_even_mean(values: &[f32]) -> Vec<f32> {
+    let less_mean = |i: usize| {
+        let reach = SMOOTHED.min(i).min(values.len() - 1 - i);
+        values[i] - values[i - reach..=i + reach].iter().sum::<f32>() / (2 * reach + 1) as f32
     };
-    frame.iter().map(less).collect()
+    (0..values.len()).map(less_mean).collect()
 }
 
 fn less_line(values: &[f32]) -> Vec<f32> {
@@ -174,8 +197,8 @@ fn less_line(values: &[f32]) -> Vec<f32> {
     values.iter().enumerate().map(|(i, x)| x - mean - slope * (i as f32 - middle)).collect()
 }
 
-fn median<'a>(bands: impl Iterator<Item = &'a Vec<f32>>) -> Vec<f32> {
-    let bands: Vec<&Vec<f32>> = bands.collect();
+pub(super) fn median(bands: impl Iterator<Item = Vec<f32>>) -> Vec<f32> {
+    let bands: Lines = bands.collect();
     let mut values = vec![0.0; bands.len()];
     (0..bands[0].len())
         .map(|i| {

@@ -107,9 +107,13 @@ pub fn examine(
     let about = ((about * more).sqrt() + of_bits).powi(2);
     let (reading, mut pattern) = read(&mut clean, &looked, about, are_independent, slopes, levels, monitor)?;
     pattern.struck = struck;
-    // Squares of unchanged frames need not be filtered again.
-    let is_changed = is_evened || struck > 0 || !pattern.is_empty();
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
+    // Lines hide flat blocks until they are taken off.
+    let had_lines = pattern.changing_columns.is_some() || pattern.changing_rows.is_some();
+    let of_clean = || had_lines.then(|| Flattened::find(&looked_planes, quantisation_step)).flatten();
+    let flattened = flattened.or_else(of_clean).filter(|_| bit.is_none());
+    // Squares of unchanged frames need not be filtered again.
+    let is_changed = is_evened || struck > 0 || !pattern.is_empty() || had_lines;
     let squares = if is_changed { HighPass::new(&looked_planes) } else { first_look };
 
     let at: Vec<Offset<f32>> = looked.iter().map(|&i| offsets[i]).collect();

@@ -5,7 +5,7 @@
 //! of the frames at slope 0, and must be in both halves of the burst. On a tripod the two cannot be separated, and
 //! nothing is changed. Without this `column-stripes` has 597 false features a megapixel, `hot-pixels` 47, not 6.
 
-use super::changing_lines::{ChangingLines, Extent, offsets};
+use super::changing_lines::{ChangingLines, SHARP, median as median_of_bands};
 use super::contrast::Contrast;
 use super::high_pass::{FREE_VALUES, HighPass, around, quiet_variance};
 use super::reading::{BoxPyramid, Lines, REACH, Reading, less_local_mean};
@@ -299,7 +299,8 @@ const STRIPES: f32 = 6.0;
 impl Stripes {
     /// Stripes that both halves of a burst share; `None` if there are none, or they are smooth as a scene is.
     pub(super) fn find(halves: &[Lines; 2]) -> Option<Self> {
-        let (offsets, common) = shared(halves.each_ref().map(|bands| offsets(bands, Extent::Sharp)))?;
+        let (offsets, common) =
+            shared(halves.each_ref().map(|bands| median_of_bands(bands.iter().map(|x| less_local_mean(x)))))?;
         let (growths, grown) = shared(halves.each_ref().map(growths)).unwrap_or_default();
         Some(Self { offsets, growths, deviation: (common + 0.25 * grown).sqrt() })
     }
@@ -318,7 +319,7 @@ fn shared([first, second]: [Vec<f32>; 2]) -> Option<(Vec<f32>, f32)> {
     let common = product(0);
     let error = (power(&first) * power(&second) / n).sqrt();
     // A scene is correlated from line to line, offsets of a sensor hardly.
-    let are_sharp = common > STRIPES * error && product(1) <= 0.4 * common && product(2) <= 0.4 * common;
+    let are_sharp = common > STRIPES * error && (1..3).all(|by| product(by) <= SHARP[by - 1] * common);
     are_sharp.then(|| (first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b)).collect(), common))
 }
 

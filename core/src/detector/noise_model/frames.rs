@@ -96,11 +96,17 @@ impl FrameSurvey {
         }
         // Each test relies on those before: copies and flashes would spoil the comparison of noise.
         let looks = Looks::new(squares);
-        survey.leave_out_empty(&looks);
+        // Where a codec rounded noise away, a frame that shows less has no less of it.
+        let shows_noise = !squares.are_flattened;
+        if shows_noise {
+            survey.leave_out_empty(&looks);
+        }
         survey.leave_out_copies(squares, &looks);
         survey.compare_brightness(squares, &looks);
         survey.leave_out_blurred(squares, &looks);
-        survey.compare_noise(squares, &looks);
+        if shows_noise {
+            survey.compare_noise(squares, &looks);
+        }
         (survey.correlations, survey.flat) = correlations(squares, &looks, &survey.kept());
         survey
     }
@@ -360,6 +366,9 @@ const EVEN_PATTERN: f32 = 1.25;
 
 /// Ratio of the squares' upper to lower fifth of variances up to which there is no texture.
 const EVEN: f32 = 1.75;
+/// That ratio of the squares' variances in the differences of neighbours, relative to their own, up to which all share
+/// noise alike, however strong: 1.15, and so much more per correlation. Texture varies more, and its share with it.
+const EVEN_SHARES: f32 = 0.5;
 const MAX_LAG: usize = 16;
 
 /// Correlations of the noise of frames 1, 2, … apart, and the flattest squares with their mean variance.
@@ -386,18 +395,24 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     let mut order: Vec<usize> = (0..squares.places.len()).collect();
     order.sort_by(|&a, &b| chosen_by[a].total_cmp(&chosen_by[b]));
     // Where frames share noise the choice does bias the result: without texture all squares are taken.
-    let flat = if spread(of_frames.clone()) < EVEN { &order[..] } else { &order[..order.len().div_ceil(3)] };
+    let next_to: Vec<usize> = measuring.windows(2).filter(|w| w[0] + 1 == w[1]).map(|w| w[0]).collect();
+    let of_pairs = mean(&next_to.iter().map(|&t| &looks.pairs[t][..]).collect::<Vec<_>>());
+    let shared = |squares: &[usize]| {
+        let sum = |variances: &[f32]| squares.iter().map(|&i| variances[i]).sum::<f32>();
+        1.0 - sum(&of_pairs) / sum(&of_frames)
+    };
+    let shares = of_pairs.iter().zip(&of_frames).map(|(pair, own)| pair / own).filter(|share| share.is_finite());
+    let shares: Vec<f32> = shares.collect();
+    let are_alike = shares.len() >= MIN_BRIGHT && spread(shares) < 1.15 + EVEN_SHARES * shared(&order);
+    let all = are_alike || spread(of_frames.clone()) < EVEN;
+    let flat = if all { &order[..] } else { &order[..order.len().div_ceil(3)] };
+    let is_even = all || spread(flat.iter().map(|&i| of_frames[i]).collect()) < EVEN;
+    // It is no number without noise or neighbours.
+    let is_shared = |share: f32| share > MIN_CORRELATION;
+    if !is_even || !is_shared(shared(flat)) {
+        return none;
+    }
     let in_flat = |variances: &[f32]| flat.iter().map(|&i| variances[i]).sum::<f32>() / flat.len() as f32;
-    let own = in_flat(&of_frames);
-    let neighbours: Vec<f32> =
-        measuring.windows(2).filter(|w| w[0] + 1 == w[1]).map(|w| in_flat(&looks.pairs[w[0]])).collect();
-    if own <= 0.0 || neighbours.is_empty() {
-        return none;
-    }
-    let shared = 1.0 - neighbours.iter().sum::<f32>() / (neighbours.len() as f32 * own);
-    if shared <= MIN_CORRELATION || spread(flat.iter().map(|&i| of_frames[i]).collect()) >= EVEN {
-        return none;
-    }
     // Relative to the mean variance of all frames, so that the sum over lags is the variance of their mean.
     let alone = |t: usize| in_flat(&looks.frames[t]);
     let usual = kept.iter().map(|&t| alone(t)).sum::<f32>() / kept.len() as f32;

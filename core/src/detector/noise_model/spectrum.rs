@@ -39,6 +39,8 @@ impl LevelNoise {
 
 /// Spread of tiles, relative to that of noise, above which some hold moving structures.
 const NOISE_SPREAD: f32 = 2.5;
+/// Spread of the first level's tiles up to which they are alike: moving structures differ more from place to place.
+const EVEN: f32 = 0.4;
 /// Variance relative to white noise below which it is only rounding.
 const MIN_OVER_WHITE: f32 = 0.02;
 /// Upper bound of the kurtosis: that of JPEG files of low quality.
@@ -105,7 +107,8 @@ fn noise_at(tiles: &[TileMoments], level: usize, space: &ScaleSpace, before: Opt
     let middle = quantile(&ordered, 0.5);
     let of_noise = ((2.0 + of_pair.clamp(0.0, MAX_KURTOSIS)) / free).sqrt();
     let total_error = of_noise / (variances.len() as f32).sqrt();
-    if spread(&ordered) > NOISE_SPREAD * of_noise {
+    let even = if before.is_none() { EVEN } else { 0.0 };
+    if spread(&ordered) > even.max(NOISE_SPREAD * of_noise) {
         let expected = before.map_or(1.0, |noise| noise.over_white);
         // Tiles also differ by their brightness: the quiet ones do not lower the estimate below the median of all.
         let quiet = quiet_variance(variances, free).max(middle.min(expected));
