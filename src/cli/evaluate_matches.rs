@@ -14,7 +14,7 @@ use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Searches, Shot, slop
 use crate::export::{ANGLE_COLUMNS, Cell, METHOD_MATCH_COLUMNS, Table};
 use crate::inspect::words::counted;
 use crate::matching::PairSelection;
-use crate::synth::{NoisyExposure, NoisyParams};
+use crate::synth::NoisyParams;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -126,7 +126,11 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     let settings = [args.run.search.file.params.as_ref(), args.truth.as_ref()];
     let rules = args.file.overwrite.rules(&inputs, &options, &settings);
     args.file.table.iter().try_for_each(|path| rules.check(path))?;
-    let exposure = exposure(args, &inputs, &options, &console)?;
+    let noisy = |snr| NoisyParams { snr, read_noise: args.read_noise, bits: args.bits, seed: args.noise_seed };
+    let exposure = match args.snr.map(noisy) {
+        Some(params) => Some(params.exposure(&levels_of(&inputs, &options, &console)?)?),
+        None => None,
+    };
     let names: Vec<String> = inputs.iter().map(|i| i.name.clone()).collect();
     let truth = args.truth.as_ref().map(|poses| {
         let unknown = || Error::param("camera", "viewing rays need it", "give the camera of the bursts");
@@ -209,18 +213,6 @@ fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Result<Option<Vec<Input
         )));
     }
     Ok(Some(found))
-}
-
-fn exposure(
-    args: &MatchesArgs,
-    inputs: &[Input],
-    options: &OpenOptions,
-    console: &Console,
-) -> Result<Option<NoisyExposure>, Failure> {
-    let Some(snr) = args.snr else { return Ok(None) };
-    let levels = levels_of(inputs, options, console)?;
-    let params = NoisyParams { snr, read_noise: args.read_noise, bits: args.bits, seed: args.noise_seed };
-    Ok(Some(params.exposure(&levels)?))
 }
 
 fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {

@@ -1,7 +1,7 @@
 //! `stack` writes a motion stack, its DoG response, all in focus or the field as TIFF; `merge` the merged frames.
 
 use super::args::{MergeArgs, StackArgs};
-use super::{Both, Console, Failure, OneBurst, check_ending, document, open_options, resolve_one};
+use super::{Both, BurstSearchArgs, Console, Failure, OneBurst, SearchArgs, check_ending, document};
 use crate::SlopeGrid;
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
@@ -116,12 +116,10 @@ pub(super) fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
         DetectorParams { method: Method::Merge, frames: args.frames, ..DetectorParams::default() };
     params.validate()?;
     check_ending(&args.out, &["tif", "tiff"], NO_TIFF)?;
-    let console = Console::new(&args.output)?;
-    let input = resolve_one(&args.inputs, "merge", &args.calibration)?;
-    let options = open_options(std::slice::from_ref(&input), &args.calibration)?;
-    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[]);
-    rules.check(&args.out)?;
-    console.begin(format!("{}: ", input.name));
+    let run =
+        BurstSearchArgs { search: SearchArgs::default(), calibration: args.calibration.clone(), output: args.output };
+    let OneBurst { console, input, options, rules } =
+        run.begin("merge", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor)?;
     // Of the search parameters only the frames matter here: an image of any size is merged.
     params.validate_frames(burst.len())?;

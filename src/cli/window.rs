@@ -47,7 +47,12 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
             Opening::Burst(input) => without_display(input, None, params, calibration),
             Opening::Two([a, b]) => without_display(a, Some(b), params, calibration),
             Opening::Dataset(source) => dataset_without_display(source, params, calibration),
-            Opening::Session(path) => session_without_display(path),
+            Opening::Session(path) => {
+                let name = path.file_name().map_or_else(|| "session".into(), |name| name.to_string_lossy());
+                let name = name.split('.').next().unwrap_or("session").to_owned();
+                let (file, console) = begin_without_display(&name, "nothing is listed")?;
+                draw(Startup { session: Some(path), ..Startup::default() }, &file, &console)
+            }
         };
     }
     show(Startup { params, calibration, ..startup_of(opening)? })
@@ -178,13 +183,6 @@ fn dataset_without_display(
         }
     }
     draw(Startup { dataset: Some(source), params, calibration, ..Startup::default() }, &file, &console)
-}
-
-fn session_without_display(session: PathBuf) -> Result<(), Failure> {
-    let name = session.file_name().map_or_else(|| "session".into(), |name| name.to_string_lossy());
-    let name = name.split('.').next().unwrap_or("session").to_owned();
-    let (file, console) = begin_without_display(&name, "nothing is listed")?;
-    draw(Startup { session: Some(session), ..Startup::default() }, &file, &console)
 }
 
 fn without_display(

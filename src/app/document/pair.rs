@@ -5,24 +5,25 @@ use crate::app::pane::{Link, PaneGroup, PaneId, PaneLinks};
 use crate::app::words::choices;
 use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MatchColumn {
-    #[default]
-    Number,
-    UA,
-    VA,
-    UB,
-    VB,
-    SigmaA,
-    SigmaB,
-    SlopeA,
-    SlopeB,
-    Motion,
-    Distance,
-    Ratio,
-    Error,
-    Inlier,
+choices! {
+    #[derive(Default)]
+    MatchColumn {
+        #[default]
+        Number: "#", "Number, in the order of A's features, from 0, as in files";
+        UA: "u A", "Column in A at mid-burst; the first pixel's centre is 0";
+        VA: "v A", "Row in A at mid-burst; the first pixel's centre is 0";
+        UB: "u B", "Column in B at mid-burst; the first pixel's centre is 0";
+        VB: "v B", "Row in B at mid-burst; the first pixel's centre is 0";
+        SigmaA: "σ A", "Scale σ in A, pixels";
+        SigmaB: "σ B", "Scale σ in B, pixels";
+        SlopeA: "Slope A", "Apparent motion in A to the right, px/frame";
+        SlopeB: "Slope B", "Apparent motion in B to the right, px/frame";
+        Motion: "Motions", "Difference of the motions in A and B, px/frame";
+        Distance: "Distance", "Distance of the descriptors";
+        Ratio: "Ratio", "Distance over that to the second nearest compared";
+        Error: "Error", "Distance from the geometry, pixels";
+        Inlier: "Inlier", "Whether it agrees with the geometry";
+    }
 }
 
 choices! {
