@@ -258,7 +258,6 @@ impl BurstscopeApp {
 
     fn layout_ui(&mut self, ui: &mut Ui, queue: &mut Queue) -> Option<LessonAction> {
         let bar = |ui: &Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
-
         Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
             ui.horizontal(|ui| {
                 menu_bar_ui(ui, Read::of(&self.model), &self.settings, queue);

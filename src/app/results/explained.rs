@@ -34,10 +34,15 @@ pub struct ExplainedState {
 }
 
 impl<'a> Read<'a> {
-    /// The slopes of the detection on show, if they are wanted and not known. A running detection comes first.
+    /// The slopes of the detection on show, if they are not known: always wanted, unless the detection took long. A single
+    /// frame has none. A running detection comes first.
     pub fn missing_slopes(self) -> Option<ExplainRequest> {
         let is_time = self.document.workspace.inspects() && !self.results.slots.a.detecting.is_pending();
-        self.wanted_slopes().filter(|_| is_time && self.spectrum().is_none())
+        let found =
+            self.found_of(Side::A).filter(|_| is_time && self.spectrum().is_none() && self.stale().is_none())?;
+        let has_slopes = found.params.method == Method::Buff && found.detection.frames_used.len() > 1;
+        let wanted = has_slopes && (self.results.explained.slopes_wanted || !self.slopes_take_long());
+        self.explain_request(ExplainQuestion::Slopes).filter(|_| wanted)
     }
 
     pub fn missing_candidates(self) -> Option<ExplainRequest> {
@@ -111,14 +116,6 @@ impl<'a> Read<'a> {
 
     pub fn slopes_take_long(self) -> bool {
         self.found_of(Side::A).is_some_and(|found| found.elapsed.as_secs_f32() > SHORT_SECS)
-    }
-
-    /// Always wanted, unless the detection took long. A single frame has none.
-    pub fn wanted_slopes(self) -> Option<ExplainRequest> {
-        let found = self.found_of(Side::A)?;
-        let has_slopes = found.params.method == Method::Buff && found.detection.frames_used.len() > 1;
-        let wanted = has_slopes && (self.results.explained.slopes_wanted || !self.slopes_take_long());
-        self.explain_request(ExplainQuestion::Slopes).filter(|_| wanted && self.stale().is_none())
     }
 
     pub fn wanted_candidates(self) -> Option<ExplainRequest> {
