@@ -1,11 +1,10 @@
 //! `evaluate frames`: measures how results depend on the number of frames, on charts or in a given burst.
 
 use super::evaluate_tables::{burst_frames_table, burst_frames_text, chart_text, methods_table};
-use super::study::{FIGURE_FILE, TableArgs, chart_study, check_figures, figure_file, write_figure};
-use super::{
-    BurstSearchArgs, ChartsArgs, ComparedArgs, Console, Failure, INPUT_HELP, Input, open_options, resolve_one,
-    resolve_pair,
+use super::study::{
+    ChartsArgs, ComparedArgs, FIGURE_FILE, TableArgs, chart_study, check_figures, figure_file, write_figure,
 };
+use super::{BurstSearchArgs, Console, Failure, INPUT_HELP, Input, open_options, resolve_one, resolve_pair};
 use crate::burst::Burst;
 use crate::detector::params::doc;
 use crate::evaluate::chart::FRAME_COUNTS;

@@ -26,14 +26,12 @@ macro_rules! commands {
 pub mod args;
 pub mod burst_report;
 pub mod case;
-pub mod charts_args;
 #[cfg(feature = "colmap")]
 pub mod colmap;
 pub mod commands;
 mod console;
 mod detect;
 mod evaluate;
-pub mod evaluate_args;
 pub mod evaluate_frames;
 pub mod evaluate_matches;
 pub mod evaluate_poses;
@@ -71,7 +69,6 @@ use crate::burst::{DecodeWorker, serve_decoding};
 use crate::files::MAX_INTEGER;
 use crate::plane::memory;
 use args::{BurstSearchArgs, INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs};
-use charts_args::{ChartsArgs, ComparedArgs};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 use commands::Cli;
 use console::{Both, Console, document};
