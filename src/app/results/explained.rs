@@ -56,14 +56,11 @@ impl<'a> Read<'a> {
     pub fn missing_decoys(self) -> Option<ExplainRequest> {
         let is_current = self.stale().is_none() && !self.results.slots.a.detecting.is_pending();
         let request = self.decoys_request().filter(|_| is_current && self.decoys().is_none())?;
-        let by_filter = self.document.filter.verdict.is_some() || self.shows_too_little();
-        (by_filter && !self.slopes_take_long() || self.has_asked_for_decoys(&request)).then_some(request)
-    }
-
-    /// Whether the frames were looked at and leave open if the slopes fit, while features were found.
-    fn shows_too_little(self) -> bool {
+        // The frames may leave open if the slopes fit, while features were found.
         let judgement = self.spectrum().and_then(|spectrum| spectrum.judgement.as_ref());
-        !self.features().is_empty() && judgement.is_some_and(|judgement| !judgement.fits && judgement.advice.is_none())
+        let is_open = judgement.is_some_and(|judgement| !judgement.fits && judgement.advice.is_none());
+        let by_filter = self.document.filter.verdict.is_some() || !self.features().is_empty() && is_open;
+        (by_filter && !self.slopes_take_long() || self.has_asked_for_decoys(&request)).then_some(request)
     }
 
     pub fn has_asked_for_decoys(self, request: &ExplainRequest) -> bool {
@@ -151,20 +148,16 @@ impl CoherenceState {
 }
 
 impl<'a> Read<'a> {
-    fn lists_verdicts(self) -> bool {
-        let is_in_table = self.shows_bottom() && self.document.bottom_tab == BottomTab::Table;
-        self.document.workspace.inspects()
-            && (is_in_table || self.document.filter.needs_verdicts() || self.selected_feature().is_some())
-    }
-
     /// A running detection comes first.
     pub fn missing_coherence(self, side: Side) -> Option<CoherenceRequest> {
         let is_drawn = self.document.look.overlay != FeaturesShown::None
             && self.document.panes.iter().any(|(_, pane)| pane.side == side);
         let workspace = self.document.workspace;
         let is_shown = workspace.shows_pair() || workspace.inspects() && is_drawn;
+        let is_in_table = self.shows_bottom() && self.document.bottom_tab == BottomTab::Table;
+        let lists_verdicts = is_in_table || self.document.filter.needs_verdicts() || self.selected_feature().is_some();
         let is_asked = self.document.colour_by == ColourBy::Of(Quantity::Coherence) && is_shown
-            || side == Side::A && self.lists_verdicts();
+            || side == Side::A && workspace.inspects() && lists_verdicts;
         if !is_asked || self.results.slots[side].detecting.is_pending() {
             return None;
         }
