@@ -76,4 +76,6 @@ equal_if! {
     MatchRequest: |a, b| Arc::ptr_eq(&a.a, &b.a) && Arc::ptr_eq(&a.b, &b.b) && a.params == b.params;
     LossesRequest: |a, b| Arc::ptr_eq(&a.result, &b.result);
     TrajectorySource: |a, b| a.path == b.path;
+    PictureRequest: |a, b| a.key() == b.key();
+    PictureAnswer: |a, b| a.request == b.request;
 }

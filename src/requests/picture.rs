@@ -54,12 +54,6 @@ struct KindKey {
     params: u64,
 }
 
-impl PartialEq for PictureRequest {
-    fn eq(&self, other: &Self) -> bool {
-        self.key() == other.key()
-    }
-}
-
 impl PictureRequest {
     pub fn new(burst: OpenBurst, kind: PictureKind, params: DetectorParams) -> Self {
         Self { burst, kind, params, smoothing_px: 0.0, preview_octave: None, minus: None }
@@ -144,13 +138,6 @@ pub struct PictureAnswer {
     pub motion: Option<Arc<MotionMap>>,
     /// Octave of its pixels: not the request's only of a preview, whose values are not the picture's.
     pub octave: i32,
-}
-
-/// Equal requests have equal answers.
-impl PartialEq for PictureAnswer {
-    fn eq(&self, other: &Self) -> bool {
-        self.request == other.request
-    }
 }
 
 impl PictureAnswer {
