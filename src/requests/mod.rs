@@ -16,7 +16,6 @@ mod kind;
 mod map;
 mod open;
 mod picture;
-mod pictures;
 mod source;
 mod study;
 mod trail;
