@@ -1,5 +1,6 @@
 //! Methods that are compared: the same detector on different inputs made from a burst; and their comparison as it is set.
 
+use crate::app::defaults::with_defaults;
 use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
 use crate::evaluate::{BurstMethod, Searches};
 use crate::study::SameFalseRate;
@@ -96,18 +97,14 @@ pub fn plane_of(grid: SlopeGrid) -> SlopeGrid {
     SlopeGrid { u, v, ..grid }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct CompareLook {
-    pub methods: Vec<MethodId>,
-    /// Peak thresholds of the methods, from charts; each method has that of the search where there is none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub same_false_rate: Option<SameFalseRate>,
-}
-
-impl Default for CompareLook {
-    fn default() -> Self {
-        Self { methods: MethodId::ALL.to_vec(), same_false_rate: None }
+with_defaults! {
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    #[serde(default)]
+    pub struct CompareLook {
+        pub methods: Vec<MethodId> = MethodId::ALL.to_vec(),
+        /// Peak thresholds of the methods, from charts; each method has that of the search where there is none.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub same_false_rate: Option<SameFalseRate>,
     }
 }
 

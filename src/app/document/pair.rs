@@ -1,5 +1,6 @@
 //! Two bursts as they are set: the look and order of their matches, and the panes of each.
 
+use crate::app::defaults::with_defaults;
 use crate::app::document::{Cursor, Document, Ranges, Side};
 use crate::app::pane::{Link, PaneGroup, PaneId, PaneLinks};
 use crate::app::words::choices;
@@ -37,37 +38,23 @@ choices! {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct MatchLook {
-    /// Whether the matches that agree with the geometry are shown; also those that were not verified.
-    pub inliers: bool,
-    pub outliers: bool,
-    pub alone: bool,
-    pub features: bool,
-    pub geometry: bool,
-    pub drawn_as: MatchesAs,
-    /// Largest number of matches that are drawn; as many as each part of the picture bears if `None`.
-    pub most: Option<usize>,
-    /// Whether lines have the colour of the difference of the motions.
-    pub by_motion: bool,
-    /// Largest difference of the motions of the matches that are shown, px/frame.
-    pub max_motion: Option<f32>,
-}
-
-impl Default for MatchLook {
-    fn default() -> Self {
-        Self {
-            inliers: true,
-            outliers: true,
-            alone: true,
-            features: false,
-            geometry: true,
-            drawn_as: MatchesAs::Lines,
-            most: None,
-            by_motion: false,
-            max_motion: None,
-        }
+with_defaults! {
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(default)]
+    pub struct MatchLook {
+        /// Whether the matches that agree with the geometry are shown; also those that were not verified.
+        pub inliers: bool = true,
+        pub outliers: bool = true,
+        pub alone: bool = true,
+        pub features: bool,
+        pub geometry: bool = true,
+        pub drawn_as: MatchesAs = MatchesAs::Lines,
+        /// Largest number of matches that are drawn; as many as each part of the picture bears if `None`.
+        pub most: Option<usize>,
+        /// Whether lines have the colour of the difference of the motions.
+        pub by_motion: bool,
+        /// Largest difference of the motions of the matches that are shown, px/frame.
+        pub max_motion: Option<f32>,
     }
 }
 
