@@ -1,6 +1,6 @@
-//! Structs whose fields have their defaults beside them.
+//! Structs with the defaults beside the fields.
 
-/// Declares a struct with its default: each field may have a value after its type, and has the type's default otherwise.
+/// Declares a struct with its default: a field may have a value after its type, or else has the default of the type.
 macro_rules! with_defaults {
     ($(#[$of:meta])* pub struct $name:ident { $($(#[$one:meta])* pub $field:ident: $type:ty $(= $value:expr)?,)+ }) => {
         $(#[$of])*

@@ -21,8 +21,8 @@ use std::time::Duration;
 with_defaults! {
     #[derive(Clone)]
     pub struct RenderOptions {
-        /// Bursts, parameters or steps with which the window begins, its settings aside. A session, a lesson and steps are
-        /// drawn as they end; the cursor of these options then has no effect.
+        /// Bursts, parameters or steps with which the window begins, its settings aside. A session, a lesson and steps
+        /// are drawn as they end; the cursor of these options then has no effect.
         pub startup: Startup,
         pub size_points: (f32, f32) = (1280.0, 800.0),
         /// Pixels for each point: 2 for a HiDPI screen.
