@@ -15,7 +15,7 @@ use crate::inspect::words::counted;
 use crate::plane::display::{ColourMap, Display, GAMMA_RANGE};
 use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};
 use egui::{CursorIcon, DragValue, Rangef, Rect, Response, Sense, Slider, Ui, vec2};
-use plot::{Drag, Grip, PlotGeometry, axis_fits, axis_for, dragged, grip_at, nearest_end};
+use plot::{Drag, Grip, PlotGeometry, axis_fits, axis_for, dragged, grip_at};
 
 const BINS: usize = 256;
 
@@ -133,7 +133,10 @@ impl HistogramPanel {
         {
             // The place of the press, not that where the drag was recognised, decides what is grabbed.
             let press = pointer - response.total_drag_delta().unwrap_or_default();
-            let grip = grip_at(press, geometry, display).unwrap_or_else(|| nearest_end(press, geometry, display));
+            let grip = grip_at(press, geometry, display);
+            // A press outside the range moves its nearer end.
+            let end = if press.x < geometry.x_of(display.min) { Grip::Min } else { Grip::Max };
+            let grip = grip.unwrap_or(end);
             self.drag = Some(Drag { grip, start: *display, start_value: geometry.value_at(press.x) });
         }
         if !response.dragged() {
