@@ -4,7 +4,8 @@ use super::matching_args::cameras_help;
 use super::report::FailureReport;
 use super::search_options::defaults_file;
 use super::{
-    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, document, open_options, resolve_bursts,
+    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, Outcome, SequenceArgs, document, open_options,
+    resolve_bursts,
 };
 use crate::burst::BurstFiles;
 use crate::dataset::{
@@ -28,7 +29,7 @@ fn gate_help(arg: Arg) -> Arg {
     arg.help(text(NOISE_GATE.short_help())).long_help(text(NOISE_GATE.long_help()))
 }
 
-pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &ColmapArgs) -> Outcome {
     // As everywhere, with the gate for matching.
     let defaults = SearchParams { noise_gate: NoiseGate::Matching, ..SearchParams::default() };
     let detector = args.run.search.params_over(defaults)?;

@@ -8,7 +8,7 @@ use super::study::{
     write_figure,
 };
 use super::{
-    Both, Console, Failure, OutputArgs, SearchArgs, document, evaluate_frames, evaluate_matches, evaluate_poses,
+    Both, Console, Outcome, OutputArgs, SearchArgs, document, evaluate_frames, evaluate_matches, evaluate_poses,
 };
 use crate::burst::{OpenOptions, ViewGrid};
 use crate::detector::{DetectorParams, Method};
@@ -43,11 +43,11 @@ commands! {
     }
 }
 
-pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &EvaluateArgs) -> Outcome {
     args.study.run()
 }
 
-fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
+fn chart(args: &EvaluateChartArgs) -> Outcome {
     let mut study = chart_study(&args.charts, &args.compared, &args.search, (args.snr.clone(), Vec::new()))?;
     study.chart.uneven.views = args.views;
     let console = Console::new(&args.output)?;
@@ -60,7 +60,7 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     console.say_document("evaluate chart", &report)
 }
 
-fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
+fn accuracy(args: &AccuracyArgs) -> Outcome {
     let StudySearch { detector, slopes, .. } = searched(&args.search)?;
     let default = AccuracyStudy::with_motion(args.charts.motion);
     let study = AccuracyStudy {
@@ -85,7 +85,7 @@ fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
     console.say_document("evaluate accuracy", &Both { one: &crowded, other })
 }
 
-fn noise(args: &NoiseArgs) -> Result<(), Failure> {
+fn noise(args: &NoiseArgs) -> Outcome {
     let StudySearch { detector, slopes, .. } = searched(&args.search)?;
     let one = |label: &str| {
         let detector = DetectorParams { slopes: slopes.unwrap_or(detector.slopes), ..detector.clone() };
@@ -121,7 +121,7 @@ fn noise(args: &NoiseArgs) -> Result<(), Failure> {
     console.say_document("evaluate noise", &Both { one: document! { drawn }, other: &report })
 }
 
-fn advice(args: &AdviceArgs) -> Result<(), Failure> {
+fn advice(args: &AdviceArgs) -> Outcome {
     let console = Console::new(&args.output)?;
     let report = args.study.run(&console.monitor)?;
     console.say(&advice_tables(&report))?;

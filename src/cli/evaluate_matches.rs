@@ -3,7 +3,8 @@
 use super::study::{StudySearch, TableArgs, once_each, searched_by, write_figure};
 use super::synth::levels_of;
 use super::{
-    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, document, open_options, resolve_bursts,
+    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, Outcome, SequenceArgs, document, open_options,
+    resolve_bursts,
 };
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
@@ -110,7 +111,7 @@ struct AddedNoise {
     frame_noise: f64,
 }
 
-pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &MatchesArgs) -> Outcome {
     if args.run.search.gives(&crate::detector::params::doc::METHOD) {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
@@ -142,7 +143,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     let mut frames_before = vec![0];
     let report = study.run(
         &names,
-        |k, shot| -> Result<Burst, Failure> {
+        |k, shot| -> Outcome<Burst> {
             let silent = console.monitor.silent();
             match (shot, &golds) {
                 (Shot::Gold, Some(golds)) => Ok(golds[k].open(&OpenOptions::default(), &silent)?),
@@ -194,7 +195,7 @@ fn methods(args: &MatchesArgs, has_gold: bool, finds_slopes: bool) -> Vec<BurstM
 }
 
 /// Sharp images of the bursts, where `--gold` names them: cut as the bursts are, or one for each burst.
-fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Result<Option<Vec<Input>>, Failure> {
+fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Outcome<Option<Vec<Input>>> {
     let Some(gold) = &args.gold else { return Ok(None) };
     let sharp = std::slice::from_ref(gold);
     let options = args.run.calibration.clone();

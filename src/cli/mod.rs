@@ -14,7 +14,7 @@ macro_rules! commands {
         }
 
         impl $name {
-            pub(super) fn run(&self) -> Result<(), $crate::cli::Failure> {
+            pub(super) fn run(&self) -> $crate::cli::Outcome {
                 match self {
                     $($(#[$when])* Self::$command(args) => $run(args),)*
                 }
@@ -61,7 +61,7 @@ pub mod synth;
 mod window;
 
 pub use commands::synthetic_burst;
-pub use failure::Failure;
+pub use failure::{Failure, Outcome};
 pub use probe::{probe_document, slopes_document};
 pub use report::burst_document;
 
@@ -151,7 +151,7 @@ fn this_program() -> Option<PathBuf> {
     if running.exists() { Some(running.to_owned()) } else { std::env::current_exe().ok() }
 }
 
-fn done(cli: &Cli) -> Result<(), Failure> {
+fn done(cli: &Cli) -> Outcome {
     match &cli.command {
         Some(command) => command.run(),
         #[cfg(feature = "app")]

@@ -1,7 +1,7 @@
 //! Parts that the studies share: search parameters, the charts and the methods compared on them, and files of plots and
 //! tables.
 
-use super::{Console, Failure, OverwriteArgs, SearchArgs};
+use super::{Console, Failure, Outcome, OverwriteArgs, SearchArgs};
 use crate::burst::OpenOptions;
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SlopeGrid, Slopes};
@@ -23,18 +23,18 @@ pub(super) struct StudySearch {
 }
 
 /// Search parameters of a study that compares searches over given ranges of slopes.
-pub(super) fn searched(search: &SearchArgs) -> Result<StudySearch, Failure> {
+pub(super) fn searched(search: &SearchArgs) -> Outcome<StudySearch> {
     let remedy = "this command compares searches of known ranges; give them with --slopes-u and --slopes-v";
     checked_slopes(search, false, remedy)
 }
 
 /// As [`searched`], for `methods` of which one may find slopes; none stands for those that fit the options.
-pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Result<StudySearch, Failure> {
+pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Outcome<StudySearch> {
     let remedy = "of the methods only buff-auto finds slopes; add it to --methods, or give a range with --slopes-u and --slopes-v";
     checked_slopes(search, methods.is_empty() || methods.contains(&BurstMethod::BuffAuto), remedy)
 }
 
-fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<StudySearch, Failure> {
+fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Outcome<StudySearch> {
     let params = search.params()?;
     // Either option asks for slopes to be found, which only some commands and methods do.
     let asked = [doc::SLOPES, doc::SLOPE_DIRECTION];
@@ -63,7 +63,7 @@ pub(super) fn chart_study(
     compared: &ComparedArgs,
     search: &SearchArgs,
     (snrs, frame_counts): (Vec<f64>, Vec<usize>),
-) -> Result<ChartStudy, Failure> {
+) -> Outcome<ChartStudy> {
     if search.gives(&doc::METHOD) {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
@@ -101,7 +101,7 @@ pub struct TableArgs {
 
 impl TableArgs {
     /// The rules for overwriting of a command that opens no burst, once they let the table be written.
-    pub(super) fn checked(&self, search: &SearchArgs) -> Result<OutputRules, Failure> {
+    pub(super) fn checked(&self, search: &SearchArgs) -> Outcome<OutputRules> {
         let rules = self.overwrite.rules(&[], &OpenOptions::default(), &[search.file.params.as_ref()]);
         self.table.iter().try_for_each(|path| rules.check(path))?;
         Ok(rules)
@@ -109,7 +109,7 @@ impl TableArgs {
 }
 
 /// Checks before the work that a plot and a table are two files, and may be written.
-pub(super) fn check_figures([plot, table]: [&Option<PathBuf>; 2], rules: &OutputRules) -> Result<(), Failure> {
+pub(super) fn check_figures([plot, table]: [&Option<PathBuf>; 2], rules: &OutputRules) -> Outcome {
     if plot.is_some() && plot == table {
         return Err(Failure::usage("--table: --plot names this file too; choose another name"));
     }
@@ -122,7 +122,7 @@ pub(super) fn write_figure(
     path: Option<&Path>,
     rules: &OutputRules,
     figure: impl FnOnce() -> Figure,
-) -> Result<(), Failure> {
+) -> Outcome {
     let Some(path) = path else { return Ok(()) };
     rules.check(path)?;
     figure().write(path)?;
