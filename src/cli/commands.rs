@@ -143,20 +143,17 @@ fn run_man(args: &ManArgs) -> Outcome {
 pub fn synthetic_burst(arguments: &[String], monitor: &Monitor) -> Outcome<(Burst, Truth)> {
     // The folder is not used.
     let line = ["burstscope", "synth"].into_iter().chain(arguments.iter().map(String::as_str)).chain(["--out", "."]);
-    let (burst, truth) = match parsed(line)?.command {
+    let cli = Cli::try_parse_from(line).map_err(|error| {
+        let text = error.to_string();
+        let message = text.split("\n\n").next().unwrap_or_default();
+        Failure::usage(message.trim_start_matches("error: ").replace('\n', " "))
+    })?;
+    let (burst, truth) = match cli.command {
         Some(Command::Synth(SynthArgs { kind: SynthKind::Chart(args) })) => synth_chart(&args.params, monitor)?,
         Some(Command::Synth(SynthArgs { kind: SynthKind::Scene(args) })) => synth_scene(&args.params, monitor)?,
         _ => return Err(Failure::usage("this makes no burst; make a chart or a scene")),
     };
     Ok((truth.masked(burst), truth))
-}
-
-fn parsed<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Outcome<Cli> {
-    Cli::try_parse_from(arguments).map_err(|error| {
-        let text = error.to_string();
-        let message = text.split("\n\n").next().unwrap_or_default();
-        Failure::usage(message.trim_start_matches("error: ").replace('\n', " "))
-    })
 }
 
 #[cfg(test)]
