@@ -79,11 +79,8 @@ pub(super) fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(is_command) {
         return Cow::Borrowed(text);
     }
-    let mut clean = String::with_capacity(text.len() + 16);
-    for c in text.chars() {
-        if is_command(c) { clean.extend(c.escape_unicode()) } else { clean.push(c) }
-    }
-    Cow::Owned(clean)
+    let clean = |c: char| if is_command(c) { c.escape_unicode().to_string() } else { c.to_string() };
+    Cow::Owned(text.chars().map(clean).collect())
 }
 
 /// Prints text for people on the standard output. A reader that closed the pipe, such as `head`, is no failure.

@@ -49,13 +49,8 @@ fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Outcome<
 }
 
 pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
-    let mut once = Vec::with_capacity(list.len());
-    for item in list {
-        if !once.contains(item) {
-            once.push(*item);
-        }
-    }
-    once
+    let is_first = |(place, item): &(usize, &T)| !list[..*place].contains(item);
+    list.iter().enumerate().filter(is_first).map(|(_, item)| *item).collect()
 }
 
 pub(super) fn chart_study(
