@@ -33,6 +33,31 @@ pub struct ExplainedState {
     pub asked_decoys: Wanted<ExplainRequest>,
 }
 
+#[derive(Debug, Default)]
+pub struct CoherenceState {
+    pub known: Vec<Coherences>,
+    pub wanted: Sides<Wanted<CoherenceRequest>>,
+}
+
+impl CoherenceState {
+    pub fn try_again(&mut self) {
+        self.wanted = Sides::default();
+    }
+
+    pub fn running(&self) -> Option<Running> {
+        self.wanted.both().into_iter().find_map(Wanted::running)
+    }
+
+    pub fn of(&self, detection: &Arc<Detection>) -> Option<&Arc<Vec<Judged>>> {
+        self.known.iter().find(|known| Arc::ptr_eq(&known.detection, detection)).map(|known| &known.values)
+    }
+
+    pub fn failure_of(&self, detection: &Arc<Detection>) -> Option<&JobError> {
+        let mut failures = self.wanted.both().into_iter().filter_map(Wanted::failure);
+        failures.find(|(request, _)| Arc::ptr_eq(&request.detection, detection)).map(|(_, why)| why)
+    }
+}
+
 impl<'a> Read<'a> {
     /// The slopes of the detection on show, if they are not known: always wanted, unless the detection took long. A single
     /// frame has none. A running detection comes first.
@@ -120,34 +145,7 @@ impl<'a> Read<'a> {
         let options = SurveyOptions { test: Some(test), ..SurveyOptions::default() };
         self.explain_request(ExplainQuestion::Candidates(options))
     }
-}
 
-#[derive(Debug, Default)]
-pub struct CoherenceState {
-    pub known: Vec<Coherences>,
-    pub wanted: Sides<Wanted<CoherenceRequest>>,
-}
-
-impl CoherenceState {
-    pub fn try_again(&mut self) {
-        self.wanted = Sides::default();
-    }
-
-    pub fn running(&self) -> Option<Running> {
-        self.wanted.both().into_iter().find_map(Wanted::running)
-    }
-
-    pub fn of(&self, detection: &Arc<Detection>) -> Option<&Arc<Vec<Judged>>> {
-        self.known.iter().find(|known| Arc::ptr_eq(&known.detection, detection)).map(|known| &known.values)
-    }
-
-    pub fn failure_of(&self, detection: &Arc<Detection>) -> Option<&JobError> {
-        let mut failures = self.wanted.both().into_iter().filter_map(Wanted::failure);
-        failures.find(|(request, _)| Arc::ptr_eq(&request.detection, detection)).map(|(_, why)| why)
-    }
-}
-
-impl<'a> Read<'a> {
     /// A running detection comes first.
     pub fn missing_coherence(self, side: Side) -> Option<CoherenceRequest> {
         let is_drawn = self.document.look.overlay != FeaturesShown::None
