@@ -18,7 +18,7 @@ pub fn feature_text(feature: &Feature) -> String {
 }
 
 pub fn match_text(row: &MatchRow<'_>) -> String {
-    let headings = MatchColumn::ALL.map(|column| column.record().0).join("\t");
+    let headings = MatchColumn::ALL.map(|column| column.words()[0]).join("\t");
     // A table reads hyphens alone as minus signs.
     let values = MatchColumn::ALL.map(|column| column.text(row).replace('−', "-")).join("\t");
     format!("{headings}\n{values}")

@@ -199,27 +199,16 @@ impl BurstscopeApp {
     }
 
     fn use_files(&mut self, purpose: Purpose, paths: Vec<PathBuf>) {
-        let Self { model, engine, .. } = self;
+        let Self { model, engine, overlays, .. } = self;
         let Some(first) = paths.first() else { return };
+        let (now, file) = (&model.document.calibration, Some(first.clone()));
         match purpose {
-            Purpose::OpenBias
-            | Purpose::OpenFlat
-            | Purpose::OpenMask
-            | Purpose::OpenMasks
-            | Purpose::OpenTimes
-            | Purpose::OpenRotations
-            | Purpose::OpenLens => {
-                let draft = self.overlays.calibration_draft(&model.document.calibration);
-                let file = Some(first.clone());
-                match purpose {
-                    Purpose::OpenBias => draft.bias = file,
-                    Purpose::OpenFlat => draft.flat = file,
-                    Purpose::OpenTimes => draft.times = file.map(TimesChoice::List),
-                    Purpose::OpenRotations => draft.rotations = file,
-                    Purpose::OpenLens => draft.lens = file,
-                    _ => draft.mask = file,
-                }
-            }
+            Purpose::OpenBias => overlays.calibration_draft(now).bias = file,
+            Purpose::OpenFlat => overlays.calibration_draft(now).flat = file,
+            Purpose::OpenMask | Purpose::OpenMasks => overlays.calibration_draft(now).mask = file,
+            Purpose::OpenTimes => overlays.calibration_draft(now).times = file.map(TimesChoice::List),
+            Purpose::OpenRotations => overlays.calibration_draft(now).rotations = file,
+            Purpose::OpenLens => overlays.calibration_draft(now).lens = file,
             Purpose::OpenLessons => model.shell.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => studies::make_figures(model, first.clone(), engine),
             #[cfg(feature = "colmap")]

@@ -37,7 +37,11 @@ const NO_MATCHES: &str = "there are no matches; open a second burst and press Ma
 
 pub(super) fn question(purpose: Purpose, model: Read<'_>) -> Question {
     let kept = feature_folder(model).filter(|folder| purpose == Purpose::ExportDatabase && folder.is_dir());
-    let folder = kept.or_else(|| folder_of_burst(model));
+    let of_burst = || {
+        let BurstSource::Paths(paths) = &model.burst_of(Side::A)?.source else { return None };
+        paths.first()?.parent().map(PathBuf::from).filter(|folder| folder.is_dir())
+    };
+    let folder = kept.or_else(of_burst);
     Question { purpose, suggested_name: suggested_name(purpose, model), folder }
 }
 
@@ -70,11 +74,6 @@ fn suggested_name(purpose: Purpose, model: Read<'_>) -> String {
         }
         _ => String::new(),
     }
-}
-
-fn folder_of_burst(model: Read<'_>) -> Option<PathBuf> {
-    let BurstSource::Paths(paths) = &model.burst_of(Side::A)?.source else { return None };
-    paths.first()?.parent().map(PathBuf::from).filter(|folder| folder.is_dir())
 }
 
 /// Rectangles of the panes in *Two bursts*, with the side for which files dropped there are opened.

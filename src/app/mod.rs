@@ -11,6 +11,7 @@ pub mod apply;
 pub mod canvas;
 pub mod clipboard;
 pub mod dataset;
+mod defaults;
 pub mod dialogs;
 pub mod document;
 mod effects;

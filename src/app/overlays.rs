@@ -141,22 +141,19 @@ impl Overlays {
             if !stay {
                 self.path_field = None;
             }
-            return match path? {
-                path if purpose.saves() => self.write_or_ask(purpose, path, model),
-                path => Some(Effect::UseFiles(purpose, vec![path])),
-            };
+            let path = path?;
+            if !purpose.saves() {
+                return Some(Effect::UseFiles(purpose, vec![path]));
+            }
+            let is_there = std::fs::symlink_metadata(&path).is_ok();
+            if is_there && files::may_replace(&path, model).check(&path).is_ok() {
+                self.replace_file = Some(ReplaceFile::new(purpose, path));
+                return None;
+            }
+            return Some(Effect::Write(purpose, path));
         }
         let may_replace = self.replace_file.as_ref()?.ui(ctx)?;
         let ReplaceFile { purpose, path, .. } = self.replace_file.take()?;
         may_replace.then_some(Effect::Write(purpose, path))
-    }
-
-    fn write_or_ask(&mut self, purpose: Purpose, path: PathBuf, model: Read<'_>) -> Option<Effect> {
-        let is_there = std::fs::symlink_metadata(&path).is_ok();
-        if is_there && files::may_replace(&path, model).check(&path).is_ok() {
-            self.replace_file = Some(ReplaceFile::new(purpose, path));
-            return None;
-        }
-        Some(Effect::Write(purpose, path))
     }
 }

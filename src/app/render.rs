@@ -5,6 +5,7 @@ use super::settings::Settings;
 use super::startup::Startup;
 use super::window::BurstscopeApp;
 use crate::app::apply::params;
+use crate::app::defaults::with_defaults;
 use crate::app::document::Panels;
 use crate::app::document::cursor::ViewKind;
 use crate::burst::Burst;
@@ -17,47 +18,28 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::time::Duration;
 
-#[derive(Clone)]
-pub struct RenderOptions {
-    /// Bursts, parameters or steps with which the window begins, its settings aside. A session, a lesson and steps are
-    /// drawn as they end; the cursor of these options then has no effect.
-    pub startup: Startup,
-    pub size_points: (f32, f32),
-    /// Pixels for each point: 2 for a HiDPI screen.
-    pub scale: f32,
-    pub light: bool,
-    pub kind: ViewKind,
-    pub slope: Option<Slope>,
-    pub frame: Option<usize>,
-    /// Octave of the DoG response; `None` takes the finest.
-    pub octave: Option<i32>,
-    pub level: i32,
-    pub detect: bool,
-    pub select_strongest: bool,
-    pub max_duration: Duration,
-    /// Rules for replacing a file by the picture. Files that the window opens are never replaced.
-    pub rules: OutputRules,
-    pub monitor: Monitor,
-}
-
-impl Default for RenderOptions {
-    fn default() -> Self {
-        Self {
-            startup: Startup::default(),
-            size_points: (1280.0, 800.0),
-            scale: 1.0,
-            light: false,
-            kind: ViewKind::Stack,
-            slope: None,
-            frame: None,
-            octave: None,
-            level: 0,
-            detect: true,
-            select_strongest: false,
-            max_duration: Duration::from_secs(600),
-            rules: OutputRules::default(),
-            monitor: Monitor::default(),
-        }
+with_defaults! {
+    #[derive(Clone)]
+    pub struct RenderOptions {
+        /// Bursts, parameters or steps with which the window begins, its settings aside. A session, a lesson and steps
+        /// are drawn as they end; the cursor of these options then has no effect.
+        pub startup: Startup,
+        pub size_points: (f32, f32) = (1280.0, 800.0),
+        /// Pixels for each point: 2 for a HiDPI screen.
+        pub scale: f32 = 1.0,
+        pub light: bool,
+        pub kind: ViewKind = ViewKind::Stack,
+        pub slope: Option<Slope>,
+        pub frame: Option<usize>,
+        /// Octave of the DoG response; `None` takes the finest.
+        pub octave: Option<i32>,
+        pub level: i32,
+        pub detect: bool = true,
+        pub select_strongest: bool,
+        pub max_duration: Duration = Duration::from_secs(600),
+        /// Rules for replacing a file by the picture. Files that the window opens are never replaced.
+        pub rules: OutputRules,
+        pub monitor: Monitor,
     }
 }
 

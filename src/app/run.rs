@@ -4,12 +4,13 @@
 //! device; open data, running work and the history stay. The toolkit itself panics where it has no memory for shapes
 //! and letters; that is a lost device too.
 
-use super::gpu;
+use super::gpu::{self, AdapterChoice};
 use super::recovery::{KeptIn, Record, SAVED_EVERY};
 use super::settings::Settings;
 use super::startup::Startup;
 use super::window::BurstscopeApp;
 use anyhow::anyhow;
+use egui_wgpu::WgpuConfiguration;
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
@@ -104,7 +105,7 @@ fn draw_until_closed(
             .with_min_inner_size([900.0, 560.0])
             .with_drag_and_drop(true),
         renderer: eframe::Renderer::Wgpu,
-        wgpu_options: gpu::wgpu_configuration(),
+        wgpu_options: WgpuConfiguration { wgpu_setup: gpu::wgpu_setup(AdapterChoice::Fastest), ..Default::default() },
         persistence_path: other_settings(),
         persist_window: keeps_place,
         ..Default::default()

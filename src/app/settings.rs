@@ -3,6 +3,7 @@
 use super::actions::ActionId;
 use super::document::{Action, Document, Queue};
 use super::lesson::Progress;
+use crate::app::defaults::with_defaults;
 use crate::app::document::{FigureChoice, MatchLook, Panels, Purpose};
 use crate::app::pane::PaneLinks;
 use crate::dataset::DatasetSource;
@@ -16,38 +17,22 @@ pub const STORAGE_KEY: &str = "burstscope settings";
 
 pub const MAX_RECENT: usize = 12;
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Settings {
-    pub recent: Vec<BurstSource>,
-    pub datasets: Vec<DatasetSource>,
-    pub burst_length: usize,
-    /// Memory of pictures kept for scrubbing, MB (2²⁰ bytes).
-    pub cache_mb: usize,
-    pub theme: egui::ThemePreference,
-    pub panels: Panels,
-    pub auto_detect: bool,
-    pub links: PaneLinks,
-    pub match_look: MatchLook,
-    pub figure: FigureChoice,
-    pub lessons: BTreeMap<String, Progress>,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            recent: Vec::new(),
-            datasets: Vec::new(),
-            burst_length: 10,
-            cache_mb: DEFAULT_CACHE_BYTES >> 20,
-            theme: egui::ThemePreference::Dark,
-            panels: Panels::default(),
-            auto_detect: true,
-            links: PaneLinks::default(),
-            match_look: MatchLook::default(),
-            figure: FigureChoice::default(),
-            lessons: BTreeMap::new(),
-        }
+with_defaults! {
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    #[serde(default)]
+    pub struct Settings {
+        pub recent: Vec<BurstSource>,
+        pub datasets: Vec<DatasetSource>,
+        pub burst_length: usize = 10,
+        /// Memory of pictures kept for scrubbing, MB (2²⁰ bytes).
+        pub cache_mb: usize = DEFAULT_CACHE_BYTES >> 20,
+        pub theme: egui::ThemePreference = egui::ThemePreference::Dark,
+        pub panels: Panels,
+        pub auto_detect: bool = true,
+        pub links: PaneLinks,
+        pub match_look: MatchLook,
+        pub figure: FigureChoice,
+        pub lessons: BTreeMap<String, Progress>,
     }
 }
 

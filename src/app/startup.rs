@@ -5,6 +5,7 @@ use super::dialogs::{FileDialogs, SystemDialogs};
 use super::document::{Action, Queue, Steps};
 use super::recovery::KeptIn;
 use super::settings::Settings;
+use crate::app::defaults::with_defaults;
 use crate::app::document::Side;
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
@@ -15,43 +16,25 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
-#[derive(Clone)]
-pub struct Startup {
-    pub calibration: OpenOptions,
-    /// Burst that is opened first; `None` opens nothing and shows how to begin.
-    pub source: Option<BurstSource>,
-    pub second: Option<BurstSource>,
-    pub dataset: Option<DatasetSource>,
-    pub params: SearchParams,
-    pub session: Option<PathBuf>,
-    /// Steps that are done again.
-    pub play: Option<Steps>,
-    pub lesson: Option<Arc<Lesson>>,
-    pub lessons: Vec<Lesson>,
-    pub settings: Settings,
-    /// Folder and interval of automatic saving; `None` saves nothing.
-    pub kept: Option<KeptIn>,
-    pub dialogs: Arc<dyn FileDialogs>,
-    pub end: EndRequest,
-}
-
-impl Default for Startup {
-    fn default() -> Self {
-        Self {
-            source: Some(BurstSource::Demo),
-            second: None,
-            dataset: None,
-            params: SearchParams::default(),
-            calibration: OpenOptions::default(),
-            session: None,
-            play: None,
-            lesson: None,
-            lessons: Vec::new(),
-            settings: Settings::default(),
-            kept: None,
-            dialogs: Arc::new(SystemDialogs),
-            end: EndRequest::default(),
-        }
+with_defaults! {
+    #[derive(Clone)]
+    pub struct Startup {
+        pub calibration: OpenOptions,
+        /// Burst that is opened first; `None` opens nothing and shows how to begin.
+        pub source: Option<BurstSource> = Some(BurstSource::Demo),
+        pub second: Option<BurstSource>,
+        pub dataset: Option<DatasetSource>,
+        pub params: SearchParams,
+        pub session: Option<PathBuf>,
+        /// Steps that are done again.
+        pub play: Option<Steps>,
+        pub lesson: Option<Arc<Lesson>>,
+        pub lessons: Vec<Lesson>,
+        pub settings: Settings,
+        /// Folder and interval of automatic saving; `None` saves nothing.
+        pub kept: Option<KeptIn>,
+        pub dialogs: Arc<dyn FileDialogs> = Arc::new(SystemDialogs),
+        pub end: EndRequest,
     }
 }
 

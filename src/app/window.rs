@@ -3,7 +3,6 @@
 
 use super::actions::menu::menu_bar_ui;
 use super::actions::{ActionId, Queue};
-use super::canvas::Readout;
 use super::dataset::filmstrip::Thumbnails;
 use super::dataset::{cut_offer_ui, filmstrip};
 use super::dialogs::{FileAnswer, FileChooser, Question};
@@ -117,7 +116,11 @@ impl BurstscopeApp {
         ctx.set_theme(self.model.document.theme);
         self.model.shell.window_width_points = ctx.content_rect().width();
         methods::refresh_workspace(&mut self.model);
-        self.name_window(&ctx);
+        let title = self.read().title();
+        if self.title != title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
         self.take_answers(&ctx);
         self.take_dropped_files(&ctx);
         let (mut queue, in_hall) = (Queue::default(), self.model.document.panels.hall);
@@ -158,7 +161,9 @@ impl BurstscopeApp {
         self.journal.close(goes_on || self.model.document.playing);
         explained::refresh_listed(&mut self.model);
         pair::refresh_listed_matches(&mut self.model);
-        self.forget_closed_panes();
+        let (panes, pictures) = (&self.model.document.panes, &mut self.model.results.pictures);
+        self.widgets.retain(|id| panes.get(id).is_some());
+        pictures.retain(|id, _| panes.get(*id).is_some());
         asking::ask(&mut self.model, &self.engine, ctx.input(|i| i.pointer.any_down()));
         if let Some(dataset) = &self.model.results.datasets.open {
             self.thumbnails.request(&self.engine, &dataset.open);
@@ -166,14 +171,6 @@ impl BurstscopeApp {
         self.keep_session(&ctx);
         if self.model.document.panels.hall != in_hall {
             ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!in_hall));
-        }
-    }
-
-    fn name_window(&mut self, ctx: &egui::Context) {
-        let title = self.read().title();
-        if self.title != title {
-            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
-            self.title = title;
         }
     }
 
@@ -228,12 +225,6 @@ impl BurstscopeApp {
         parts::want(ctx, self.lessons.highlighted(), step);
     }
 
-    fn forget_closed_panes(&mut self) {
-        let (panes, pictures) = (&self.model.document.panes, &mut self.model.results.pictures);
-        self.widgets.retain(|id| panes.get(id).is_some());
-        pictures.retain(|id, _| panes.get(*id).is_some());
-    }
-
     fn keep_session(&mut self, ctx: &egui::Context) {
         let waits_for = self.restoring.waits_for(Read::of(&self.model));
         let Some(recovery) = &mut self.recovery else { return };
@@ -258,7 +249,6 @@ impl BurstscopeApp {
 
     fn layout_ui(&mut self, ui: &mut Ui, queue: &mut Queue) -> Option<LessonAction> {
         let bar = |ui: &Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
-
         Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
             ui.horizontal(|ui| {
                 menu_bar_ui(ui, Read::of(&self.model), &self.settings, queue);
@@ -344,14 +334,13 @@ impl BurstscopeApp {
     }
 
     fn drop_hint_ui(&self, ui: &Ui) {
-        let places = drop_places(Read::of(&self.model), &self.widgets);
-        if places.is_empty() {
-            panel::welcome::drop_hint_ui(ui.ctx(), &[(ui.ctx().content_rect(), "Let go to open")]);
-        } else {
-            let hint = |side: Side| if side == Side::A { "Let go to open as A" } else { "Let go to open as B" };
-            let hints: Vec<_> = places.into_iter().map(|(rect, side)| (rect, hint(side))).collect();
-            panel::welcome::drop_hint_ui(ui.ctx(), &hints);
+        let hint = |side: Side| if side == Side::A { "Let go to open as A" } else { "Let go to open as B" };
+        let places = drop_places(Read::of(&self.model), &self.widgets).into_iter();
+        let mut hints: Vec<_> = places.map(|(rect, side)| (rect, hint(side))).collect();
+        if hints.is_empty() {
+            hints.push((ui.ctx().content_rect(), "Let go to open"));
         }
+        panel::welcome::drop_hint_ui(ui.ctx(), &hints);
     }
 
     pub fn read(&self) -> Read<'_> {
@@ -366,9 +355,8 @@ impl BurstscopeApp {
             let [u, v] = [first.u, first.v].map(|at| fixed(at, 1));
             return Some(format!("u {u}  v {v}   {}", values.join("  ")));
         }
-        let readouts =
-            self.model.document.panes.shown().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
-        readouts.into_iter().next().map(|readout: Readout| readout.to_string())
+        let mut shown = self.model.document.panes.shown().into_iter();
+        shown.find_map(|id| self.widgets.get(id)?.picture.readout).map(|readout| readout.to_string())
     }
 
     pub fn asks_for_shape(&self) -> bool {

@@ -36,19 +36,14 @@ pub(in crate::app) use choices;
 pub fn explained(response: Response, text: impl Into<WidgetText>, word: Option<&'static Word>) -> Response {
     response.on_hover_ui(|ui| {
         ui.add(Label::new(text).wrap());
-        if let Some(word) = word {
-            word_link_ui(ui, word);
+        let Some(word) = word else { return };
+        if ui.link(format!("Glossary: {}", word.word)).clicked() {
+            ask_for(ui.ctx(), &word.name);
+        }
+        if let Some(origin) = word.origin {
+            ui.add(Label::new(egui::RichText::new(origin.words()[1]).small().weak()).wrap());
         }
     })
-}
-
-pub fn word_link_ui(ui: &mut Ui, word: &Word) {
-    if ui.link(format!("Glossary: {}", word.word)).clicked() {
-        ask_for(ui.ctx(), &word.name);
-    }
-    if let Some(origin) = word.origin {
-        ui.add(Label::new(egui::RichText::new(origin.words()[1]).small().weak()).wrap());
-    }
 }
 
 const GLOSSARY: &str = "word:";

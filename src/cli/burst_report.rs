@@ -2,8 +2,8 @@
 
 use super::probe::parse_place;
 use super::{
-    Both, BurstSearchArgs, Console, Failure, INPUT_HELP, Input, OneBurst, OverwriteArgs, SequenceArgs, check_ending,
-    document, open_options, resolve_bursts,
+    Both, BurstSearchArgs, Console, Failure, INPUT_HELP, Input, OneBurst, Outcome, OverwriteArgs, SequenceArgs,
+    check_ending, document, open_options, resolve_bursts,
 };
 use crate::burst::Info;
 #[cfg(feature = "colmap")]
@@ -83,7 +83,7 @@ Of several bursts, beside version, params and file:
 
 const SEARCH_SHARE: f32 = 0.3;
 
-pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &ReportArgs) -> Outcome {
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
     let pairs: Option<ColmapReport> = None;
     #[cfg(feature = "colmap")]
@@ -130,7 +130,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     console.say_document("report", &document)
 }
 
-fn run_flight(args: &ReportArgs, inputs: &[Input], pairs: Option<&ColmapReport>) -> Result<(), Failure> {
+fn run_flight(args: &ReportArgs, inputs: &[Input], pairs: Option<&ColmapReport>) -> Outcome {
     let params = &args.run.search.params()?;
     check_ending(&args.out, &["md", "html", "csv"], "--out: name the report of several bursts .md, .html or .csv")?;
     if !args.at.is_empty() {

@@ -1,7 +1,7 @@
 //! `case` writes a burst, its settings and the question about it into one file.
 
 use super::probe::{check_inside, parse_place};
-use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, check_ending, document};
+use super::{BurstSearchArgs, INPUT_HELP, OneBurst, Outcome, OverwriteArgs, check_ending, document};
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::files::path_text;
 use crate::inspect::result::truth_of;
@@ -45,7 +45,7 @@ Examples:
 
 JSON (--json): {\"version\", \"commit\", \"detector_revision\", \"command\": \"case\", \"file\", \"case\": {as case.toml in the file}, \"bytes\"}";
 
-pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &CaseArgs) -> Outcome {
     let search = args.run.search.params()?;
     check_ending(&args.out, &[CASE_EXTENSION], "--out: name the file .burstcase")?;
     let OneBurst { console, input, options, rules } =

@@ -4,7 +4,8 @@ use super::matching_args::cameras_help;
 use super::report::FailureReport;
 use super::search_options::defaults_file;
 use super::{
-    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, document, open_options, resolve_bursts,
+    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, Outcome, SequenceArgs, document, open_options,
+    resolve_bursts,
 };
 use crate::burst::BurstFiles;
 use crate::dataset::{
@@ -23,18 +24,15 @@ use crate::requests::{next_commands, old_model};
 use clap::{Arg, Args};
 use std::path::{Path, PathBuf};
 
-/// Parameters of the search where none are given: as everywhere, with the gate for matching.
-fn defaults() -> SearchParams {
-    SearchParams { noise_gate: NoiseGate::Matching, ..SearchParams::default() }
-}
-
 fn gate_help(arg: Arg) -> Arg {
     let text = |help: String| help.replace("[default: auto]", "[default of this command: matching]");
     arg.help(text(NOISE_GATE.short_help())).long_help(text(NOISE_GATE.long_help()))
 }
 
-pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
-    let detector = args.run.search.params_over(defaults())?;
+pub(super) fn run(args: &ColmapArgs) -> Outcome {
+    // As everywhere, with the gate for matching.
+    let defaults = SearchParams { noise_gate: NoiseGate::Matching, ..SearchParams::default() };
+    let detector = args.run.search.params_over(defaults)?;
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
     if inputs.iter().any(Input::is_built_in) {
         return Err(Failure::usage(

@@ -2,7 +2,7 @@
 //! `completions` writes them for a shell, `man` as manual pages.
 
 use super::args::SequenceArgs;
-use super::failure::{Failure, print};
+use super::failure::{Failure, Outcome, print};
 use super::search_options::{DEFAULTS_PLACE, ParamsFileArg};
 use super::synth::{SynthArgs, SynthKind};
 use crate::burst::{Burst, OpenOptions};
@@ -109,7 +109,7 @@ pub struct CompletionsArgs {
 
 const NAME: &str = "burstscope";
 
-fn run(args: &CompletionsArgs) -> Result<(), Failure> {
+fn run(args: &CompletionsArgs) -> Outcome {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), NAME, &mut text);
     print(&String::from_utf8_lossy(&text)).map_err(Failure::output)
@@ -125,7 +125,7 @@ pub struct ManArgs {
     pub command: Vec<String>,
 }
 
-fn run_man(args: &ManArgs) -> Result<(), Failure> {
+fn run_man(args: &ManArgs) -> Outcome {
     let mut command = Cli::command().disable_help_subcommand(true);
     // A page names the command by the words before it too, which this fills in.
     command.build();
@@ -140,23 +140,20 @@ fn run_man(args: &ManArgs) -> Result<(), Failure> {
 }
 
 /// The burst that `synth` writes with these `arguments` (a chart or a scene and its options), with its mask.
-pub fn synthetic_burst(arguments: &[String], monitor: &Monitor) -> Result<(Burst, Truth), Failure> {
+pub fn synthetic_burst(arguments: &[String], monitor: &Monitor) -> Outcome<(Burst, Truth)> {
     // The folder is not used.
     let line = ["burstscope", "synth"].into_iter().chain(arguments.iter().map(String::as_str)).chain(["--out", "."]);
-    let (burst, truth) = match parsed(line)?.command {
+    let cli = Cli::try_parse_from(line).map_err(|error| {
+        let text = error.to_string();
+        let message = text.split("\n\n").next().unwrap_or_default();
+        Failure::usage(message.trim_start_matches("error: ").replace('\n', " "))
+    })?;
+    let (burst, truth) = match cli.command {
         Some(Command::Synth(SynthArgs { kind: SynthKind::Chart(args) })) => synth_chart(&args.params, monitor)?,
         Some(Command::Synth(SynthArgs { kind: SynthKind::Scene(args) })) => synth_scene(&args.params, monitor)?,
         _ => return Err(Failure::usage("this makes no burst; make a chart or a scene")),
     };
     Ok((truth.masked(burst), truth))
-}
-
-fn parsed<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<Cli, Failure> {
-    Cli::try_parse_from(arguments).map_err(|error| {
-        let text = error.to_string();
-        let message = text.split("\n\n").next().unwrap_or_default();
-        Failure::usage(message.trim_start_matches("error: ").replace('\n', " "))
-    })
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Terminal of a command: results on the standard output, progress on the standard error, signals cancel the work.
 
 use super::failure::{complain, print, print_json, printable};
-use super::{Failure, OutputArgs, signals};
+use super::{Failure, Outcome, OutputArgs, signals};
 use crate::detector::{REVISION, memory};
 use crate::monitor::{Monitor, Progress};
 use crate::requests::{locked, time_left};
@@ -52,7 +52,7 @@ const STEPS: u64 = 1000;
 
 impl Console {
     /// The first signal that asks the program to end cancels the work, the second ends the program at once.
-    pub fn new(output: &OutputArgs) -> Result<Self, Failure> {
+    pub fn new(output: &OutputArgs) -> Outcome<Self> {
         if let Some(threads) = output.threads {
             rayon::ThreadPoolBuilder::new()
                 .num_threads(usize::from(threads))
@@ -101,7 +101,7 @@ impl Console {
     }
 
     /// Prints text for people, unless JSON or quiet was asked for.
-    pub fn say(&self, text: &str) -> Result<(), Failure> {
+    pub fn say(&self, text: &str) -> Outcome {
         if self.output.json || self.output.quiet {
             Ok(())
         } else {
@@ -111,7 +111,7 @@ impl Console {
     }
 
     /// Prints the JSON document of `command`: its version, its name, and the fields of `report`, if JSON was asked for.
-    pub fn say_document(&self, command: &str, report: &impl Serialize) -> Result<(), Failure> {
+    pub fn say_document(&self, command: &str, report: &impl Serialize) -> Outcome {
         if !self.output.json {
             return Ok(());
         }

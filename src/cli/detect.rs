@@ -2,7 +2,7 @@
 
 use super::args::DetectArgs;
 use super::report::{BurstReport, FailureReport, summary};
-use super::{Console, Failure, Input, document, open_options, resolve_bursts};
+use super::{Console, Failure, Input, Outcome, document, open_options, resolve_bursts};
 use crate::burst::{Burst, OpenOptions};
 use crate::dataset::CameraChoice;
 use crate::detect::{Searched, search};
@@ -31,7 +31,7 @@ pub(super) struct DetectJob<'a> {
 }
 
 impl<'a> DetectJob<'a> {
-    pub fn new(out: &'a Path, formats: &[ExportFormat], params: &'a SearchParams) -> Result<Self, Failure> {
+    pub fn new(out: &'a Path, formats: &[ExportFormat], params: &'a SearchParams) -> Outcome<Self> {
         if out.exists() && !out.is_dir() {
             let problem = "--out: this is not a folder; name a folder for the features";
             return Err(Failure::usage(format!("{problem}: {}", out.display())));
@@ -44,7 +44,7 @@ impl<'a> DetectJob<'a> {
     }
 
     /// After checking that the features of `inputs` and the files `others` may be written there.
-    pub fn take_folder(&self, inputs: &[Input], others: &[PathBuf]) -> Result<FolderLock, Failure> {
+    pub fn take_folder(&self, inputs: &[Input], others: &[PathBuf]) -> Outcome<FolderLock> {
         for file in inputs.iter().flat_map(|input| self.files(&input.name)).chain(others.iter().cloned()) {
             self.rules.check(&file)?;
         }
@@ -56,7 +56,7 @@ impl<'a> DetectJob<'a> {
     }
 }
 
-pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &DetectArgs) -> Outcome {
     let params = args.run.search.params()?;
     let mut job = DetectJob::new(&args.out, &args.format, &params)?;
     let console = Console::new(&args.run.output)?;
@@ -102,7 +102,7 @@ pub(super) fn detect_burst(
     job: &DetectJob<'_>,
     folder: &FolderLock,
     console: &Console,
-) -> Result<(BurstReport, Burst, Detection), Failure> {
+) -> Outcome<(BurstReport, Burst, Detection)> {
     let (name, paths) = (input.name.clone(), input.path_texts());
     let start = Instant::now();
     let burst = input.open_to_search(options, job.params, &console.monitor)?;

@@ -1,11 +1,10 @@
 //! `evaluate frames`: measures how results depend on the number of frames, on charts or in a given burst.
 
 use super::evaluate_tables::{burst_frames_table, burst_frames_text, chart_text, methods_table};
-use super::study::{FIGURE_FILE, TableArgs, chart_study, check_figures, figure_file, write_figure};
-use super::{
-    BurstSearchArgs, ChartsArgs, ComparedArgs, Console, Failure, INPUT_HELP, Input, open_options, resolve_one,
-    resolve_pair,
+use super::study::{
+    ChartsArgs, ComparedArgs, FIGURE_FILE, TableArgs, chart_study, check_figures, figure_file, write_figure,
 };
+use super::{BurstSearchArgs, Console, Failure, INPUT_HELP, Input, Outcome, open_options, resolve_one, resolve_pair};
 use crate::burst::Burst;
 use crate::detector::params::doc;
 use crate::evaluate::chart::FRAME_COUNTS;
@@ -58,7 +57,7 @@ JSON (--json) of INPUT:
    \"rows\": [{\"frames\", \"first_frame\", \"features\", \"confirmed\", \"unconfirmed\", \"discs_found\", \"false_features\",
      \"matches\": null or {\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\"}}]}";
 
-pub(super) fn run(args: &FramesArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &FramesArgs) -> Outcome {
     match &args.input {
         None => charts(args),
         Some(input) => burst(args, input),
@@ -69,7 +68,7 @@ fn rules(args: &FramesArgs, inputs: &[Input]) -> OutputRules {
     args.file.overwrite.rules(inputs, &args.run.calibration, &[args.run.search.file.params.as_ref()])
 }
 
-fn charts(args: &FramesArgs) -> Result<(), Failure> {
+fn charts(args: &FramesArgs) -> Outcome {
     if args.run.search.gives(&doc::FRAMES) {
         let problem = "charts have as many frames as --frame-counts says; leave it out";
         return Err(Failure::usage(format!("--{}: {problem}", doc::FRAMES.name)));
@@ -91,7 +90,7 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
     console.say_document("evaluate frames", &report)
 }
 
-fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
+fn burst(args: &FramesArgs, input: &Path) -> Outcome {
     let study = BurstFramesStudy {
         search: args.run.search.params()?,
         frame_counts: args.frame_counts.clone(),

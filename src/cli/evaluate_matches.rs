@@ -3,7 +3,8 @@
 use super::study::{StudySearch, TableArgs, once_each, searched_by, write_figure};
 use super::synth::levels_of;
 use super::{
-    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, document, open_options, resolve_bursts,
+    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, Outcome, SequenceArgs, document, open_options,
+    resolve_bursts,
 };
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
@@ -14,7 +15,7 @@ use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Searches, Shot, slop
 use crate::export::{ANGLE_COLUMNS, Cell, METHOD_MATCH_COLUMNS, Table};
 use crate::inspect::words::counted;
 use crate::matching::PairSelection;
-use crate::synth::{NoisyExposure, NoisyParams};
+use crate::synth::NoisyParams;
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -110,7 +111,7 @@ struct AddedNoise {
     frame_noise: f64,
 }
 
-pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &MatchesArgs) -> Outcome {
     if args.run.search.gives(&crate::detector::params::doc::METHOD) {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
@@ -126,7 +127,11 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     let settings = [args.run.search.file.params.as_ref(), args.truth.as_ref()];
     let rules = args.file.overwrite.rules(&inputs, &options, &settings);
     args.file.table.iter().try_for_each(|path| rules.check(path))?;
-    let exposure = exposure(args, &inputs, &options, &console)?;
+    let noisy = |snr| NoisyParams { snr, read_noise: args.read_noise, bits: args.bits, seed: args.noise_seed };
+    let exposure = match args.snr.map(noisy) {
+        Some(params) => Some(params.exposure(&levels_of(&inputs, &options, &console)?)?),
+        None => None,
+    };
     let names: Vec<String> = inputs.iter().map(|i| i.name.clone()).collect();
     let truth = args.truth.as_ref().map(|poses| {
         let unknown = || Error::param("camera", "viewing rays need it", "give the camera of the bursts");
@@ -138,7 +143,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     let mut frames_before = vec![0];
     let report = study.run(
         &names,
-        |k, shot| -> Result<Burst, Failure> {
+        |k, shot| -> Outcome<Burst> {
             let silent = console.monitor.silent();
             match (shot, &golds) {
                 (Shot::Gold, Some(golds)) => Ok(golds[k].open(&OpenOptions::default(), &silent)?),
@@ -190,7 +195,7 @@ fn methods(args: &MatchesArgs, has_gold: bool, finds_slopes: bool) -> Vec<BurstM
 }
 
 /// Sharp images of the bursts, where `--gold` names them: cut as the bursts are, or one for each burst.
-fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Result<Option<Vec<Input>>, Failure> {
+fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Outcome<Option<Vec<Input>>> {
     let Some(gold) = &args.gold else { return Ok(None) };
     let sharp = std::slice::from_ref(gold);
     let options = args.run.calibration.clone();
@@ -209,18 +214,6 @@ fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Result<Option<Vec<Input
         )));
     }
     Ok(Some(found))
-}
-
-fn exposure(
-    args: &MatchesArgs,
-    inputs: &[Input],
-    options: &OpenOptions,
-    console: &Console,
-) -> Result<Option<NoisyExposure>, Failure> {
-    let Some(snr) = args.snr else { return Ok(None) };
-    let levels = levels_of(inputs, options, console)?;
-    let params = NoisyParams { snr, read_noise: args.read_noise, bits: args.bits, seed: args.noise_seed };
-    Ok(Some(params.exposure(&levels)?))
 }
 
 fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {

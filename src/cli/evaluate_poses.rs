@@ -1,7 +1,7 @@
 //! `evaluate poses`: compares an estimated trajectory with the true one.
 
 use super::study::{TableArgs, write_figure};
-use super::{Both, Console, Failure, OutputArgs, document};
+use super::{Both, Console, Outcome, OutputArgs, document};
 use crate::burst::OpenOptions;
 use crate::evaluate::poses::{ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory};
 use crate::export::{Cell, POSE_COLUMNS, Table};
@@ -45,7 +45,7 @@ JSON (--json):
    \"model\": null or {\"registered_images\", \"points\", \"points_per_image\", \"mean_track_length\", \"mean_reprojection_error_px\"},
    \"pairs\": [{\"label\", \"true_centre\": [x, y, z], \"aligned_centre\", \"translation_error\", \"rotation_error_deg\"}]}";
 
-pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &PosesArgs) -> Outcome {
     let console = Console::new(&args.output)?;
     let rules = args.file.overwrite.rules(&[], &OpenOptions::default(), &[Some(&args.estimate), Some(&args.truth)]);
     args.file.table.iter().try_for_each(|path| rules.check(path))?;

@@ -5,7 +5,7 @@
 use crate::error::{Error, ErrorKind};
 use crate::monitor::Cancelled;
 use std::borrow::Cow;
-use std::io::{self, Result, Write};
+use std::io::{self, Write};
 
 pub const INTERRUPTED: u8 = 130;
 
@@ -21,6 +21,9 @@ pub enum Failure {
     /// Interrupted from outside, as by Ctrl-C or a scheduler: exit code 130.
     Interrupted,
 }
+
+/// Result of a command, or of a part of its work.
+pub type Outcome<T = ()> = Result<T, Failure>;
 
 impl Failure {
     pub fn usage(message: impl Into<String>) -> Self {
@@ -76,19 +79,16 @@ pub(super) fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(is_command) {
         return Cow::Borrowed(text);
     }
-    let mut clean = String::with_capacity(text.len() + 16);
-    for c in text.chars() {
-        if is_command(c) { clean.extend(c.escape_unicode()) } else { clean.push(c) }
-    }
-    Cow::Owned(clean)
+    let clean = |c: char| if is_command(c) { c.escape_unicode().to_string() } else { c.to_string() };
+    Cow::Owned(text.chars().map(clean).collect())
 }
 
 /// Prints text for people on the standard output. A reader that closed the pipe, such as `head`, is no failure.
-pub(super) fn print(text: &str) -> Result<()> {
+pub(super) fn print(text: &str) -> io::Result<()> {
     print_bytes(&printable(text))
 }
 
-pub(super) fn print_json(text: &str) -> Result<()> {
+pub(super) fn print_json(text: &str) -> io::Result<()> {
     let mut clean = String::with_capacity(text.len());
     for c in text.chars() {
         if is_command(c) { clean += &format!("\\u{:04x}", u32::from(c)) } else { clean.push(c) }
@@ -96,7 +96,7 @@ pub(super) fn print_json(text: &str) -> Result<()> {
     print_bytes(&clean)
 }
 
-fn print_bytes(text: &str) -> Result<()> {
+fn print_bytes(text: &str) -> io::Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error),

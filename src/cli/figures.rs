@@ -1,7 +1,7 @@
 //! `figures`: remakes every figure and table of the paper.
 
 use super::study::once_each;
-use super::{Console, Failure, OutputArgs};
+use super::{Console, Failure, Outcome, OutputArgs};
 use crate::figures::{FigureSize, FiguresEvent, FiguresJob, PaperFigure, find_colmap};
 use clap::Args;
 use std::path::PathBuf;
@@ -38,7 +38,7 @@ Files: NAME.svg and NAME.csv for each figure, index.html, and records/, by which
 JSON (--json):
   {\"version\", \"commit\", \"detector_revision\", \"command\": \"figures\", \"page\", \"size\": full or quick, \"figures\": [{\"figure\", \"files\": [path], \"notes\": [sentence], \"resumed\", \"seconds\"}]}";
 
-pub(super) fn run(args: &FiguresArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &FiguresArgs) -> Outcome {
     if args.out.exists() && !args.out.is_dir() {
         let problem = "--out: this is not a folder; name a folder for the figures";
         return Err(Failure::usage(format!("{problem}: {}", args.out.display())));

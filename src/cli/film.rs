@@ -1,7 +1,7 @@
 //! `film` writes a sweep over slope, scale or frames as an animation.
 
 use super::args::parse_slope;
-use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, document};
+use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, Outcome, OverwriteArgs, document};
 use crate::detect::search;
 use crate::detector::{Method, Slope};
 use crate::export::film::{check_film, estimated_film_bytes, film_files, is_film};
@@ -57,7 +57,7 @@ Examples:
 
 JSON (--json): {\"version\", \"commit\", \"detector_revision\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\" (null for MP4), \"bytes\"}";
 
-pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &FilmArgs) -> Outcome {
     let mut params = args.run.search.params()?;
     if !is_film(&args.out) {
         return Err(Failure::usage(format!(

@@ -1,7 +1,7 @@
 //! `info`: what an input is, from the headers of its files.
 
 use super::report::FailureReport;
-use super::{Both, Console, Failure, INPUT_HELP, OutputArgs, document, open_options, resolve};
+use super::{Both, Console, Failure, INPUT_HELP, Outcome, OutputArgs, document, open_options, resolve};
 use crate::burst::{Info, OpenOptions};
 use clap::Args;
 use std::path::PathBuf;
@@ -29,7 +29,7 @@ JSON (--json):
      \"views\": [rows, columns] of a light field, \"taken\": [what was guessed or chosen]}],
    \"failures\": [{\"name\", \"error\"}]}";
 
-pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &InfoArgs) -> Outcome {
     let console = Console::new(&args.output)?;
     let inputs = resolve(&args.inputs, &args.calibration);
     let mut options = open_options(&inputs, &args.calibration)?;

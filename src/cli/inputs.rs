@@ -4,7 +4,7 @@
 //! several pictures are the frames of one burst.
 
 use super::search_options::defaults_file;
-use super::{BurstSearchArgs, Console, Failure, OverwriteArgs, SequenceArgs};
+use super::{BurstSearchArgs, Console, Failure, Outcome, OverwriteArgs, SequenceArgs};
 use crate::burst::{
     Burst, BurstFiles, Entries, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries, name_among_several,
 };
@@ -45,17 +45,12 @@ impl Input {
         self.source.as_ref().is_ok_and(|source| source.name().is_some())
     }
 
-    pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Result<Burst, Failure> {
+    pub fn open(&self, options: &OpenOptions, monitor: &Monitor) -> Outcome<Burst> {
         Ok(self.source.clone()?.burst(options, monitor)?)
     }
 
     /// A search that needs more memory than there is, is refused before any pixel is read.
-    pub fn open_to_search(
-        &self,
-        options: &OpenOptions,
-        params: &SearchParams,
-        monitor: &Monitor,
-    ) -> Result<Burst, Failure> {
+    pub fn open_to_search(&self, options: &OpenOptions, params: &SearchParams, monitor: &Monitor) -> Outcome<Burst> {
         if let Ok(BurstSource::Paths(paths)) = &self.source {
             check_memory(paths, options, params, monitor)?;
         }
@@ -99,7 +94,7 @@ pub(super) fn resolve_bursts(
     arguments: &[PathBuf],
     sequence: SequenceArgs,
     options: &OpenOptions,
-) -> Result<Vec<Input>, Failure> {
+) -> Outcome<Vec<Input>> {
     let inputs = resolve(arguments, options);
     let Some(length) = sequence.burst_length else { return Ok(inputs) };
     let cut =
@@ -164,7 +159,7 @@ fn name_of(path: &Path) -> String {
     path_text(Path::new(path.file_name().unwrap_or(path.as_os_str())))
 }
 
-pub(super) fn resolve_one(arguments: &[PathBuf], command: &str, options: &OpenOptions) -> Result<Input, Failure> {
+pub(super) fn resolve_one(arguments: &[PathBuf], command: &str, options: &OpenOptions) -> Outcome<Input> {
     let mut inputs = resolve(arguments, options);
     match (inputs.pop(), inputs.is_empty()) {
         (Some(input), true) => Ok(input),
@@ -178,14 +173,14 @@ pub(super) fn resolve_one(arguments: &[PathBuf], command: &str, options: &OpenOp
     }
 }
 
-pub(super) fn resolve_pair(a: &Path, b: &Path, options: &OpenOptions) -> Result<Vec<Input>, Failure> {
+pub(super) fn resolve_pair(a: &Path, b: &Path, options: &OpenOptions) -> Outcome<Vec<Input>> {
     let one = |path: &Path| resolve_one(&[path.to_owned()], "each side of a match", options);
     let mut inputs = vec![one(a)?, one(b)?];
     make_file_names_unique(inputs.iter_mut().map(Input::name_and_path));
     Ok(inputs)
 }
 
-pub(super) fn open_options(inputs: &[Input], calibration: &OpenOptions) -> Result<OpenOptions, Failure> {
+pub(super) fn open_options(inputs: &[Input], calibration: &OpenOptions) -> Outcome<OpenOptions> {
     match calibration.given().first() {
         Some((name, _)) if inputs.iter().any(Input::is_built_in) => {
             Err(Failure::usage(format!("--{name}: built-in bursts need no calibration; leave the option out")))
@@ -230,7 +225,7 @@ impl BurstSearchArgs {
         inputs: &[PathBuf],
         overwrite: OverwriteArgs,
         outputs: &[Option<&PathBuf>],
-    ) -> Result<OneBurst, Failure> {
+    ) -> Outcome<OneBurst> {
         let console = Console::new(&self.output)?;
         let input = resolve_one(inputs, command, &self.calibration)?;
         let options = open_options(std::slice::from_ref(&input), &self.calibration)?;
@@ -243,7 +238,7 @@ impl BurstSearchArgs {
 }
 
 /// Checks that the name of `path` has one of `endings`; `problem` says why and what to do.
-pub(super) fn check_ending(path: &Path, endings: &[&str], problem: &str) -> Result<(), Failure> {
+pub(super) fn check_ending(path: &Path, endings: &[&str], problem: &str) -> Outcome {
     let has = |ending: &&str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending));
     if endings.iter().any(has) { Ok(()) } else { Err(Failure::usage(format!("{problem}: {}", path.display()))) }
 }

@@ -5,7 +5,7 @@ use super::evaluate_tables::or_dash;
 use super::matching_args::cameras_help;
 use super::report::BurstReport;
 use super::{
-    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, OverwriteArgs, document, open_options, resolve_pair,
+    Both, BurstSearchArgs, Console, Input, MatchingArgs, Outcome, OverwriteArgs, document, open_options, resolve_pair,
 };
 use crate::burst::{Burst, BurstFiles};
 use crate::dataset::{CameraChoice, DetectedBurst, match_bursts, match_rows};
@@ -20,7 +20,7 @@ use crate::requests::{MatchFigure, MatchPictures};
 use clap::Args;
 use std::path::PathBuf;
 
-pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &MatchArgs) -> Outcome {
     let params = args.run.search.params()?;
     let mut job = DetectJob::new(&args.out, &args.format, &params)?;
     let console = Console::new(&args.run.output)?;

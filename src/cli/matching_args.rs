@@ -2,7 +2,7 @@
 //!
 //! Names and help texts are those of [`crate::matching::params::doc`].
 
-use super::Failure;
+use super::Outcome;
 use super::search_options::{Given, ParamsFileArg, option};
 use crate::burst::BurstFiles;
 use crate::dataset::camera::read_camera;
@@ -73,7 +73,7 @@ impl MatchingArgs {
     }
 
     /// Camera of all bursts but those of some folders, over that of `file`.
-    fn camera(&self, file: &ParamsFileArg) -> Result<Option<Camera>, Failure> {
+    fn camera(&self, file: &ParamsFileArg) -> Outcome<Option<Camera>> {
         let in_file = file.matching()?.remove(doc::CAMERA.name).and_then(|camera| camera.try_into().ok());
         Ok(self.camera.as_ref().and_then(CameraChoice::known).cloned().or(in_file))
     }
@@ -85,14 +85,14 @@ impl MatchingArgs {
         bursts: &[BurstFiles],
         inputs: &[PathBuf],
         guessed: CameraChoice,
-    ) -> Result<BurstCameras, Failure> {
+    ) -> Outcome<BurstCameras> {
         let rest = self.camera(file)?.map_or(guessed, CameraChoice::Known);
         Ok(BurstCameras::of(bursts, inputs, &self.of_folders, rest)?)
     }
 
     /// Parameters, checked: these over those of `file`. With a camera, or one `of_bursts`, and no geometry, matches are
     /// verified by the essential matrix.
-    pub fn params(&self, file: &ParamsFileArg, of_bursts: Option<&Camera>) -> Result<MatchParams, Failure> {
+    pub fn params(&self, file: &ParamsFileArg, of_bursts: Option<&Camera>) -> Outcome<MatchParams> {
         let camera = self.camera(file)?;
         let some = camera.clone().or(of_bursts.cloned());
         Ok(MatchParams { camera, ..MatchParams::of_texts(file.matching()?, some, self.given.iter())? })

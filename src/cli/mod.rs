@@ -14,7 +14,7 @@ macro_rules! commands {
         }
 
         impl $name {
-            pub(super) fn run(&self) -> Result<(), $crate::cli::Failure> {
+            pub(super) fn run(&self) -> $crate::cli::Outcome {
                 match self {
                     $($(#[$when])* Self::$command(args) => $run(args),)*
                 }
@@ -26,14 +26,12 @@ macro_rules! commands {
 pub mod args;
 pub mod burst_report;
 pub mod case;
-pub mod charts_args;
 #[cfg(feature = "colmap")]
 pub mod colmap;
 pub mod commands;
 mod console;
 mod detect;
 mod evaluate;
-pub mod evaluate_args;
 pub mod evaluate_frames;
 pub mod evaluate_matches;
 pub mod evaluate_poses;
@@ -63,7 +61,7 @@ pub mod synth;
 mod window;
 
 pub use commands::synthetic_burst;
-pub use failure::Failure;
+pub use failure::{Failure, Outcome};
 pub use probe::{probe_document, slopes_document};
 pub use report::burst_document;
 
@@ -71,7 +69,6 @@ use crate::burst::{DecodeWorker, serve_decoding};
 use crate::files::MAX_INTEGER;
 use crate::plane::memory;
 use args::{BurstSearchArgs, INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs};
-use charts_args::{ChartsArgs, ComparedArgs};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 use commands::Cli;
 use console::{Both, Console, document};
@@ -154,7 +151,7 @@ fn this_program() -> Option<PathBuf> {
     if running.exists() { Some(running.to_owned()) } else { std::env::current_exe().ok() }
 }
 
-fn done(cli: &Cli) -> Result<(), Failure> {
+fn done(cli: &Cli) -> Outcome {
     match &cli.command {
         Some(command) => command.run(),
         #[cfg(feature = "app")]

@@ -1,7 +1,7 @@
 //! Resolves typed arguments to what the window opens: one burst, two side by side, a dataset, or a session.
 
 use super::failure::complain;
-use super::{Failure, Input, SequenceArgs, resolve, resolve_one};
+use super::{Failure, Input, Outcome, SequenceArgs, resolve, resolve_one};
 use crate::burst::{OpenOptions, SequenceCut};
 use crate::dataset::DatasetSource;
 use crate::error::ErrorKind;
@@ -24,11 +24,7 @@ pub(super) enum Opening {
 }
 
 /// A session file, one burst, two bursts if each argument is one, or a dataset if there are more or it is cut.
-pub(super) fn what_to_open(
-    arguments: &[PathBuf],
-    sequence: SequenceArgs,
-    options: &OpenOptions,
-) -> Result<Opening, Failure> {
+pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs, options: &OpenOptions) -> Outcome<Opening> {
     let SequenceArgs { burst_length, burst_step } = sequence;
     if let [one] = arguments
         && one.is_file()
@@ -102,7 +98,7 @@ mod tests {
         let open = |paths: &[PathBuf], burst_length| {
             what_to_open(paths, SequenceArgs { burst_length, burst_step: None }, &OpenOptions::default())
         };
-        let dataset = |opening: Result<Opening, Failure>| match opening.expect("found") {
+        let dataset = |opening: Outcome<Opening>| match opening.expect("found") {
             Opening::Dataset(source) => {
                 source.bursts(&OpenOptions::default()).expect("bursts").into_iter().map(|b| b.name).collect()
             }

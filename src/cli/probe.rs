@@ -4,7 +4,7 @@
 use super::args::two;
 use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
 use super::study::{FIGURE_FILE, figure_file};
-use super::{Both, BurstSearchArgs, Console, Failure, INPUT_HELP, OneBurst, OverwriteArgs, document};
+use super::{Both, BurstSearchArgs, Console, Failure, INPUT_HELP, OneBurst, Outcome, OverwriteArgs, document};
 use crate::burst::Positions;
 use crate::error::Error;
 use crate::files::path_text;
@@ -18,7 +18,7 @@ use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
 
-pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &ProbeArgs) -> Outcome {
     let params = args.run.search.params()?;
     let OneBurst { console, input, options, rules } =
         args.run.begin("probe", &args.inputs, args.overwrite, &[args.plot.as_ref()])?;
@@ -74,7 +74,7 @@ pub fn probe_document(cache: &ProbeCache, answer: &Probe, price: Option<Price>) 
 
 const SEARCH_SHARE: f32 = 0.8;
 
-pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
+pub(super) fn run_slopes(args: &SlopesArgs) -> Outcome {
     let mut params = args.run.search.params()?;
     let set_up = args.set_up.set_up();
     // The set-up alone gives slopes: no burst is opened.
@@ -251,7 +251,7 @@ JSON (--json), beside version, params, name, inputs, width, height and slope_gri
     \"rates\": [{\"snr\" (smallest of the features counted, 0 for all), \"found\", \"in_copies\": [count], \"rate\" or null, \"error\" or null}]}
   rate is the mean of in_copies over found; error is its standard error.";
 
-pub(super) fn run_decoys(args: &DecoysArgs) -> Result<(), Failure> {
+pub(super) fn run_decoys(args: &DecoysArgs) -> Outcome {
     let params = args.run.search.params()?;
     let OneBurst { console, input, options, .. } =
         args.run.begin("decoys", &args.inputs, OverwriteArgs::default(), &[])?;

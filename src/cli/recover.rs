@@ -1,7 +1,7 @@
 //! `recover` plants things in a burst and reports which of them the search finds.
 
 use super::study::{FIGURE_FILE, check_figures, figure_file, write_figure};
-use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, check_ending};
+use super::{BurstSearchArgs, INPUT_HELP, OneBurst, Outcome, OverwriteArgs, check_ending};
 use crate::detector::SearchParams;
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::recover::RecoverStudy;
@@ -57,7 +57,7 @@ JSON (--json):
      \"found\": {\"feature\", \"slope\", \"snr\"} or null, \"failed\": test or null, \"why\"}]}
   Amplitudes are fractions of full scale; shares 0 … 1; expected is what the noise of the burst and the gate let expect.";
 
-pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &RecoverArgs) -> Outcome {
     let study = RecoverStudy { search: args.run.search.params()?, ..args.study.clone() };
     args.case.iter().try_for_each(|path| check_ending(path, &[CASE_EXTENSION], "--case: name the case .burstcase"))?;
     let outputs = [args.plot.as_ref(), args.table.as_ref(), args.case.as_ref()];

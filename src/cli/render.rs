@@ -2,7 +2,9 @@
 
 use super::args::parse_slope;
 use super::opening::{Opening, what_to_open};
-use super::{Console, Failure, INPUT_HELP, OutputArgs, OverwriteArgs, SearchArgs, SequenceArgs, document, resolve};
+use super::{
+    Console, Failure, INPUT_HELP, Outcome, OutputArgs, OverwriteArgs, SearchArgs, SequenceArgs, document, resolve,
+};
 use crate::app::actions::registry::ActionId;
 use crate::app::document::cursor::ViewKind;
 use crate::app::document::journal::read_steps;
@@ -17,7 +19,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &RenderArgs) -> Outcome {
     let params = args.search.params_of_window()?;
     let console = Console::new(&args.output)?;
     let calibration = args.calibration.clone();
@@ -61,7 +63,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
 }
 
 /// Draws the window into `file`. A panic of the graphics driver is returned as a failure.
-pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure> {
+pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Outcome {
     let drawing =
         std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| memory::refusable(|| render_to_png(options, file))));
     match drawing {
@@ -75,7 +77,7 @@ pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure>
     }
 }
 
-fn steps_of(path: &Path) -> Result<Steps, Failure> {
+fn steps_of(path: &Path) -> Outcome<Steps> {
     let read = read_text(path, MAX_SESSION_BYTES).map_err(|error| error.to_string());
     // A list may come from a stranger, and would choose the folder.
     let writes = |action: &Action| matches!(action, Action::Do(ActionId::DetectAll) | Action::DetectAllAnyway);
@@ -87,7 +89,7 @@ fn steps_of(path: &Path) -> Result<Steps, Failure> {
         .map_err(|error| Failure::usage(format!("--play: {error}: {}", path.display())))
 }
 
-pub(super) fn startup_of(opening: Opening) -> Result<Startup, Failure> {
+pub(super) fn startup_of(opening: Opening) -> Outcome<Startup> {
     let none = Startup { source: None, ..Startup::default() };
     match opening {
         Opening::Dataset(source) => Ok(Startup { dataset: Some(source), ..none }),

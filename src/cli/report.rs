@@ -12,9 +12,8 @@ use crate::detector::{
 use crate::files::path_text;
 use crate::inspect::slopes::{SlopeJudgement, features_at_slopes};
 use crate::inspect::words::counted;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 #[derive(Debug, Serialize)]
 pub(super) struct FailureReport {
@@ -64,8 +63,7 @@ pub(super) struct BurstReport {
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     files: BTreeMap<String, String>,
     frame_noise: f32,
-    #[serde(serialize_with = "shared")]
-    noise: Arc<NoiseModel>,
+    noise: NoiseModel,
     noise_gate_factor: f32,
     octaves: [i32; 2],
     slope_grid: SlopeGrid,
@@ -97,16 +95,6 @@ struct AdviceReport {
     value: String,
 }
 
-impl From<Advice> for AdviceReport {
-    fn from(advice: Advice) -> Self {
-        Self { message: advice.for_command(), parameter: advice.parameter.name, value: advice.value }
-    }
-}
-
-fn shared<S: Serializer>(noise: &Arc<NoiseModel>, serializer: S) -> Result<S::Ok, S::Error> {
-    noise.serialize(serializer)
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct SlopeCount {
     u: f32,
@@ -136,6 +124,10 @@ impl BurstReport {
         [open_secs, slopes_secs, write_secs]: [f32; 3],
     ) -> Self {
         let counts = detection.slopes.slopes().zip(features_at_slopes(detection));
+        let advised = |advice: Advice| {
+            let (message, parameter) = (advice.for_command(), advice.parameter.name);
+            AdviceReport { message, parameter, value: advice.value }
+        };
         Self {
             name: name.to_owned(),
             inputs,
@@ -158,7 +150,7 @@ impl BurstReport {
             features: detection.features.len(),
             files,
             frame_noise: detection.frame_noise,
-            noise: detection.noise.clone(),
+            noise: NoiseModel::clone(&detection.noise),
             noise_gate_factor: detection.noise_gate_factor,
             octaves: [detection.octaves.start, detection.octaves.end],
             slope_grid: detection.slopes,
@@ -167,7 +159,7 @@ impl BurstReport {
             tally: detection.tally,
             times: TimesReport { open_secs, slopes_secs, search: detection.times, write_secs },
             slopes_judged,
-            advice: advice.map(Into::into),
+            advice: advice.map(advised),
         }
     }
 }

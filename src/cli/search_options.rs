@@ -3,8 +3,8 @@
 //! Names and help texts are those of [`crate::detector::params::doc`]. The user's defaults are read first, then a
 //! parameter file, whose values override them, as each given option does after that.
 
-use super::Failure;
 use super::failure::complain;
+use super::{Failure, Outcome};
 use crate::detector::SearchParams;
 use crate::detector::params::{AUTO, Field, Param, doc};
 use crate::export::case::{is_case, read_about};
@@ -71,12 +71,12 @@ impl FromArgMatches for SearchArgs {
 
 impl ParamsFileArg {
     /// Parameters of the file of the option, without the user's defaults.
-    pub fn read(&self) -> Result<SearchParams, Failure> {
+    pub fn read(&self) -> Outcome<SearchParams> {
         self.params.as_deref().map_or(Ok(SearchParams::default()), read_params)
     }
 
     /// Options in the tables `[matching]` of the files. A case has none.
-    pub fn matching(&self) -> Result<toml::Table, Failure> {
+    pub fn matching(&self) -> Outcome<toml::Table> {
         let mut table = toml::Table::new();
         for path in self.files().filter(|path| !is_case(path)) {
             let text = text_of(path)?;
@@ -85,7 +85,7 @@ impl ParamsFileArg {
         Ok(table)
     }
 
-    fn read_or(&self, built_in: SearchParams) -> Result<SearchParams, Failure> {
+    fn read_or(&self, built_in: SearchParams) -> Outcome<SearchParams> {
         // What a parameter file leaves out is as everywhere, whichever command reads it.
         let base = if self.params.is_some() { SearchParams::default() } else { built_in };
         self.files().try_fold(base, |base, path| read_over(base, path))
@@ -134,7 +134,7 @@ fn usual_file() -> Option<PathBuf> {
     Some(folder?.join("burstscope").join("defaults.toml"))
 }
 
-fn text_of(path: &Path) -> Result<String, Failure> {
+fn text_of(path: &Path) -> Outcome<String> {
     read_text(path, MAX_SETTINGS_BYTES)
         .with_context(|| format!("cannot read the parameter file {}", path.display()))
         .map_err(Failure::Failed)
@@ -146,11 +146,11 @@ fn nonsense(path: &Path, text: &str, why: &str) -> Failure {
 }
 
 /// Parameters in the file at `path`; those of a case, if it is one.
-pub fn read_params(path: &Path) -> Result<SearchParams, Failure> {
+pub fn read_params(path: &Path) -> Outcome<SearchParams> {
     read_over(SearchParams::default(), path)
 }
 
-fn read_over(base: SearchParams, path: &Path) -> Result<SearchParams, Failure> {
+fn read_over(base: SearchParams, path: &Path) -> Outcome<SearchParams> {
     if is_case(path) {
         return read_about(path).map(|case| case.search).map_err(|error| Failure::usage(error.to_string()));
     }
@@ -160,12 +160,12 @@ fn read_over(base: SearchParams, path: &Path) -> Result<SearchParams, Failure> {
 
 impl SearchArgs {
     /// The given options replace the values of the files: see [`SearchParams::with_texts`].
-    pub fn params(&self) -> Result<SearchParams, Failure> {
+    pub fn params(&self) -> Outcome<SearchParams> {
         self.params_over(SearchParams::default())
     }
 
     /// As [`Self::params`], for a command with other `defaults`; those of a parameter file are the usual ones.
-    pub fn params_over(&self, defaults: SearchParams) -> Result<SearchParams, Failure> {
+    pub fn params_over(&self, defaults: SearchParams) -> Outcome<SearchParams> {
         let params = self.file.read_or(defaults)?.with_texts(self.given.iter())?;
         if let Some(path) = &self.file.defaults {
             complain(&format!("note: took defaults from {}", path.display()));
@@ -174,7 +174,7 @@ impl SearchArgs {
     }
 
     /// As [`Self::params`] without the user's defaults, as in the window.
-    pub fn params_of_window(&self) -> Result<SearchParams, Failure> {
+    pub fn params_of_window(&self) -> Outcome<SearchParams> {
         Ok(self.file.read()?.with_texts(self.given.iter())?)
     }
 

@@ -2,7 +2,7 @@
 
 use super::args::two;
 use super::evaluate_tables::{or_dash, table};
-use super::{Console, Failure, document};
+use super::{Console, Failure, Outcome, document};
 use crate::burst::Positions;
 use crate::detector::{DetectorParams, Slope};
 use crate::inspect::slopes::{SetUp, SetUpSlopes, Spectrum};
@@ -61,16 +61,12 @@ impl SetUpArgs {
         })
     }
 
-    pub(super) fn slopes(
-        set_up: &SetUp,
-        positions: &Positions,
-        params: &DetectorParams,
-    ) -> Result<SetUpSlopes, Failure> {
+    pub(super) fn slopes(set_up: &SetUp, positions: &Positions, params: &DetectorParams) -> Outcome<SetUpSlopes> {
         set_up.slopes(positions, params).map_err(|problem| Failure::usage(format!("--{problem}")))
     }
 }
 
-pub(super) fn say_slopes(console: &Console, set_up: &SetUp, slopes: &SetUpSlopes) -> Result<(), Failure> {
+pub(super) fn say_slopes(console: &Console, set_up: &SetUp, slopes: &SetUpSlopes) -> Outcome {
     console.say(&format!("{}\n  {}\n", slopes.sentence(set_up), slopes.options()))?;
     console.say_document("slopes", &document! { set_up, slopes, options: slopes.options() })
 }

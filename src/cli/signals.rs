@@ -3,7 +3,7 @@
 //! Ctrl-C (SIGINT), SIGTERM, which schedulers and services send, and SIGHUP, sent when the terminal closes, have the
 //! same effect. A program started to outlive its terminal (`nohup`) ignores SIGHUP.
 
-use super::failure::{Failure, INTERRUPTED};
+use super::failure::{Failure, INTERRUPTED, Outcome};
 use anyhow::Context;
 use std::time::{Duration, Instant};
 
@@ -36,7 +36,7 @@ fn exit() {
 }
 
 /// Calls `end` at the first signal, so that the program finishes in order; a second request ends it at once.
-pub(super) fn on_end(end: impl Fn() + Send + 'static) -> Result<(), Failure> {
+pub(super) fn on_end(end: impl Fn() + Send + 'static) -> Outcome {
     listen(end).context("cannot listen for Ctrl-C and other requests to end").map_err(Failure::Failed)
 }
 

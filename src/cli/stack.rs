@@ -1,7 +1,7 @@
 //! `stack` writes a motion stack, its DoG response, all in focus or the field as TIFF; `merge` the merged frames.
 
 use super::args::{MergeArgs, StackArgs};
-use super::{Both, Console, Failure, OneBurst, check_ending, document, open_options, resolve_one};
+use super::{Both, BurstSearchArgs, Console, Failure, OneBurst, Outcome, SearchArgs, check_ending, document};
 use crate::SlopeGrid;
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
@@ -17,7 +17,7 @@ use crate::monitor::Stage;
 use crate::plane::Plane;
 use serde::Serialize;
 
-pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &StackArgs) -> Outcome {
     let Some(slope) = args.slope else { return run_field(args) };
     // Only this slope is computed, so only this slope is checked.
     let params = args.run.search.params()?.at(SlopeGrid::single(slope));
@@ -38,7 +38,7 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
 }
 
 /// Writes what has a slope of its own at each place: the field of motion, or all in focus.
-fn run_field(args: &StackArgs) -> Result<(), Failure> {
+fn run_field(args: &StackArgs) -> Outcome {
     let (endings, unfit): (&[&str], _) =
         if args.field { (&["tif", "tiff", "npz", "pfm"], NO_FIELD_FILE) } else { (&["tif", "tiff"], NO_TIFF) };
     check_ending(&args.out, endings, unfit)?;
@@ -88,7 +88,7 @@ fn write_image(
     image: &Plane,
     what: &str,
     more: impl Serialize,
-) -> Result<(), Failure> {
+) -> Outcome {
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
     rules.check(&args.out)?;
@@ -111,17 +111,15 @@ const NO_TIFF: &str = "--out: float values are written as TIFF; name the file .t
 const NO_FIELD_FILE: &str =
     "--out: the field of motion is written as TIFF, PFM or NPZ; name the file .tiff, .pfm or .npz";
 
-pub(super) fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
+pub(super) fn run_merge(args: &MergeArgs) -> Outcome {
     let params: DetectorParams =
         DetectorParams { method: Method::Merge, frames: args.frames, ..DetectorParams::default() };
     params.validate()?;
     check_ending(&args.out, &["tif", "tiff"], NO_TIFF)?;
-    let console = Console::new(&args.output)?;
-    let input = resolve_one(&args.inputs, "merge", &args.calibration)?;
-    let options = open_options(std::slice::from_ref(&input), &args.calibration)?;
-    let rules = args.overwrite.rules(std::slice::from_ref(&input), &options, &[]);
-    rules.check(&args.out)?;
-    console.begin(format!("{}: ", input.name));
+    let run =
+        BurstSearchArgs { search: SearchArgs::default(), calibration: args.calibration.clone(), output: args.output };
+    let OneBurst { console, input, options, rules } =
+        run.begin("merge", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor)?;
     // Of the search parameters only the frames matter here: an image of any size is merged.
     params.validate_frames(burst.len())?;

@@ -1,6 +1,6 @@
 //! `synth`: writes bursts with exactly known truth, and noisy copies of real ones.
 
-use super::{Console, Failure, INPUT_HELP, Input, OutputArgs, document, open_options, opened, resolve};
+use super::{Console, INPUT_HELP, Input, Outcome, OutputArgs, document, open_options, opened, resolve};
 use crate::burst::{Burst, OpenOptions};
 use crate::error::Error;
 use crate::export::{OutputRules, Overwrite, safe_file_name};
@@ -16,7 +16,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
+pub(super) fn run(args: &SynthArgs) -> Outcome {
     match &args.kind {
         SynthKind::Chart(args) => one_burst(&args.out, &args.output, |monitor| synth_chart(&args.params, monitor)),
         SynthKind::Scene(args) => one_burst(&args.out, &args.output, |monitor| synth_scene(&args.params, monitor)),
@@ -27,7 +27,7 @@ pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
 }
 
 /// Writes noisy copies of real frames: a first pass over the bursts measures their levels, a second one writes.
-fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
+fn noisy(args: &NoisyArgs) -> Outcome {
     let console = Console::new(&args.output)?;
     let inputs = resolve(&args.inputs, &args.calibration);
     let options = open_options(&inputs, &args.calibration)?;
@@ -35,7 +35,7 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     OutputRules::new(opened(&inputs, &options, &[]), Overwrite::Refuse).check_folder(&args.out)?;
     let exposure = args.params.exposure(&levels_of(&inputs, &options, &console)?)?;
     let names: Vec<String> = inputs.iter().map(|i| safe_file_name(&i.name)).collect();
-    let open = |k: usize| -> Result<Burst, Failure> { inputs[k].open(&options, &console.monitor.silent()) };
+    let open = |k: usize| -> Outcome<Burst> { inputs[k].open(&options, &console.monitor.silent()) };
     let truth = write_noisy(&args.out, &names, names.len() > 1, &args.params, &exposure, open, &console.monitor)?;
     let at_mean = if truth.noise.is_some() { " at the mean" } else { "" };
     let (frames, bursts) = (counted(truth.frames.len(), "frame"), counted(names.len(), "burst"));
@@ -44,7 +44,7 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     say_made(&args.out, &made, &truth, &console)
 }
 
-pub(super) fn levels_of(inputs: &[Input], options: &OpenOptions, console: &Console) -> Result<FrameLevels, Failure> {
+pub(super) fn levels_of(inputs: &[Input], options: &OpenOptions, console: &Console) -> Outcome<FrameLevels> {
     let mut levels = FrameLevels::default();
     for input in inputs {
         console.begin(format!("{}: ", input.name));
@@ -54,7 +54,7 @@ pub(super) fn levels_of(inputs: &[Input], options: &OpenOptions, console: &Conso
     Ok(levels)
 }
 
-fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
+fn trajectory(args: &TrajectoryArgs) -> Outcome {
     let console = Console::new(&args.output)?;
     let light = args.snr.map(Light::Snr).or(args.electrons.map(Light::Electrons)).unwrap_or_default();
     let trajectory = Trajectory::new(&TrajectoryParams { light, ..args.params.clone() }, &console.monitor)?;
@@ -69,11 +69,7 @@ fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
     say_made(&args.out, &made, &truth, &console)
 }
 
-fn one_burst(
-    out: &Path,
-    output: &OutputArgs,
-    made: impl FnOnce(&Monitor) -> Result<(Burst, Truth), Error>,
-) -> Result<(), Failure> {
+fn one_burst(out: &Path, output: &OutputArgs, made: impl FnOnce(&Monitor) -> Result<(Burst, Truth), Error>) -> Outcome {
     let console = Console::new(output)?;
     let (burst, truth) = made(&console.monitor)?;
     write_burst(out, &burst, &truth, &console.monitor)?;
@@ -83,7 +79,7 @@ fn one_burst(
     say_made(out, &made, &truth, &console)
 }
 
-fn noise(BurstArgs { out, params, output }: &BurstArgs<NoiseArgs>) -> Result<(), Failure> {
+fn noise(BurstArgs { out, params, output }: &BurstArgs<NoiseArgs>) -> Outcome {
     let console = Console::new(output)?;
     let [width, height, frames] = [params.width, params.height, params.frames].map(|n| n as usize);
     let NoiseArgs { level, sigma, seed, .. } = *params;
@@ -99,7 +95,7 @@ fn noise_words(noise: Option<NoiseTruth>) -> String {
     noise.map_or_else(|| "no noise".to_owned(), words)
 }
 
-fn say_made(out: &Path, made: &str, truth: &impl Serialize, console: &Console) -> Result<(), Failure> {
+fn say_made(out: &Path, made: &str, truth: &impl Serialize, console: &Console) -> Outcome {
     console.say(&format!("{made}\nwrote {}\n", out.display()))?;
     console.say_document("synth", &document! { folder: path_text(out), truth })
 }

@@ -6,7 +6,7 @@ use super::opening::{Opening, what_to_open};
 use super::render::{drawn, startup_of};
 use super::report::unsigned_zero;
 use super::search_options::read_params;
-use super::{Cli, Console, Failure, Input, OutputArgs, commands::Command, signals};
+use super::{Cli, Console, Failure, Input, Outcome, OutputArgs, commands::Command, signals};
 use crate::app::{RenderOptions, Startup};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 const TABLE_ROWS: usize = 20;
 
-pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
+pub(super) fn open(cli: &Cli) -> Outcome {
     let params = match cli.inputs.as_slice() {
         // A case has its own settings. A damaged case is reported when it is opened.
         [case] if is_case(case) && cli.params.params.is_none() => read_params(case).unwrap_or_default(),
@@ -47,7 +47,12 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
             Opening::Burst(input) => without_display(input, None, params, calibration),
             Opening::Two([a, b]) => without_display(a, Some(b), params, calibration),
             Opening::Dataset(source) => dataset_without_display(source, params, calibration),
-            Opening::Session(path) => session_without_display(path),
+            Opening::Session(path) => {
+                let name = path.file_name().map_or_else(|| "session".into(), |name| name.to_string_lossy());
+                let name = name.split('.').next().unwrap_or("session").to_owned();
+                let (file, console) = begin_without_display(&name, "nothing is listed")?;
+                draw(Startup { session: Some(path), ..Startup::default() }, &file, &console)
+            }
         };
     }
     show(Startup { params, calibration, ..startup_of(opening)? })
@@ -67,7 +72,7 @@ fn mistyped(inputs: &[PathBuf]) -> Option<Failure> {
     })
 }
 
-fn show(startup: Startup) -> Result<(), Failure> {
+fn show(startup: Startup) -> Outcome {
     let (asked, end) = (startup.end.clone(), startup.end.clone());
     signals::on_end(move || end.make())?;
     crate::app::run(startup).map_err(Failure::Failed)?;
@@ -75,7 +80,7 @@ fn show(startup: Startup) -> Result<(), Failure> {
 }
 
 /// Opens the window with the lesson of this name, or at this path; without a display draws its first step.
-fn lesson(name: &Path, params: SearchParams) -> Result<(), Failure> {
+fn lesson(name: &Path, params: SearchParams) -> Outcome {
     let (lesson, others) = lesson_named(name)?;
     let startup = Startup { lesson: Some(lesson.clone()), lessons: others, params, ..Startup::default() };
     if has_display() {
@@ -86,7 +91,7 @@ fn lesson(name: &Path, params: SearchParams) -> Result<(), Failure> {
 }
 
 /// Built in, or the first one of the file or folder, with all others of that folder.
-fn lesson_named(name: &Path) -> Result<(Arc<Lesson>, Vec<Lesson>), Failure> {
+fn lesson_named(name: &Path) -> Outcome<(Arc<Lesson>, Vec<Lesson>)> {
     if let Some(lesson) = built_in().iter().find(|lesson| name.as_os_str() == lesson.name.as_str()) {
         return Ok((lesson.clone(), Vec::new()));
     }
@@ -142,7 +147,7 @@ pub(super) fn without_messages_on_displays(cli: &Cli) {
 }
 
 /// Prints that the window is drawn into a file, and `else_is_done`. Returns the file's path and the console.
-fn begin_without_display(name: &str, else_is_done: &str) -> Result<(PathBuf, Console), Failure> {
+fn begin_without_display(name: &str, else_is_done: &str) -> Outcome<(PathBuf, Console)> {
     let file = PathBuf::from(format!("burstscope-{}.png", safe_file_name(name)));
     if OutputRules::default().check(&file).is_err() {
         return Err(Failure::Failed(anyhow::anyhow!(
@@ -159,17 +164,13 @@ fn begin_without_display(name: &str, else_is_done: &str) -> Result<(PathBuf, Con
     Ok((file, Console::new(&OutputArgs { json: false, quiet: false, threads: None, memory: None })?))
 }
 
-fn draw(startup: Startup, file: &Path, console: &Console) -> Result<(), Failure> {
+fn draw(startup: Startup, file: &Path, console: &Console) -> Outcome {
     let options = RenderOptions { startup, monitor: console.monitor.clone(), ..RenderOptions::default() };
     drawn(&options, file)?;
     console.say(&format!("wrote {}\n", file.display()))
 }
 
-fn dataset_without_display(
-    source: DatasetSource,
-    params: SearchParams,
-    calibration: OpenOptions,
-) -> Result<(), Failure> {
+fn dataset_without_display(source: DatasetSource, params: SearchParams, calibration: OpenOptions) -> Outcome {
     let (file, console) = begin_without_display(&source.label(), "the bursts are listed")?;
     for burst in source.bursts(&calibration)? {
         match burst.files().map(|files| files.len()) {
@@ -180,19 +181,7 @@ fn dataset_without_display(
     draw(Startup { dataset: Some(source), params, calibration, ..Startup::default() }, &file, &console)
 }
 
-fn session_without_display(session: PathBuf) -> Result<(), Failure> {
-    let name = session.file_name().map_or_else(|| "session".into(), |name| name.to_string_lossy());
-    let name = name.split('.').next().unwrap_or("session").to_owned();
-    let (file, console) = begin_without_display(&name, "nothing is listed")?;
-    draw(Startup { session: Some(session), ..Startup::default() }, &file, &console)
-}
-
-fn without_display(
-    input: Input,
-    second: Option<Input>,
-    params: SearchParams,
-    calibration: OpenOptions,
-) -> Result<(), Failure> {
+fn without_display(input: Input, second: Option<Input>, params: SearchParams, calibration: OpenOptions) -> Outcome {
     let (file, console) = begin_without_display(&input.name, "the strongest features are listed")?;
     let name = input.name.clone();
     console.begin(format!("{name}: "));

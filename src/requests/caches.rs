@@ -2,7 +2,6 @@
 
 use super::trail::Trails;
 use super::{PictureAnswer, PictureKey, PictureRequest};
-use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Results of earlier requests; clones share them.
@@ -28,49 +27,43 @@ pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 #[derive(Debug)]
 pub struct PictureCache {
     budget_bytes: usize,
-    bytes: usize,
-    clock: u64,
-    entries: HashMap<PictureKey, (PictureAnswer, u64)>,
+    /// Least recently used first.
+    entries: Vec<(PictureKey, PictureAnswer)>,
 }
 
 impl PictureCache {
     pub fn new(budget_bytes: usize) -> Self {
-        Self { budget_bytes, bytes: 0, clock: 0, entries: HashMap::new() }
+        Self { budget_bytes, entries: Vec::new() }
     }
 
     pub fn bytes(&self) -> usize {
-        self.bytes
+        self.entries.iter().map(|(_, picture)| picture.bytes()).sum()
     }
 
     pub fn get(&mut self, request: &PictureRequest) -> Option<PictureAnswer> {
-        self.clock += 1;
-        let (picture, used) = self.entries.get_mut(&request.key())?;
-        *used = self.clock;
-        Some(picture.clone())
+        let key = request.key();
+        let entry = self.entries.remove(self.entries.iter().position(|(of, _)| *of == key)?);
+        self.entries.push(entry.clone());
+        Some(entry.1)
     }
 
     /// Frames are not kept: the burst holds them. Nor is a picture that exceeds the budget.
     pub fn insert(&mut self, picture: &PictureAnswer) {
-        let size = picture.bytes();
-        if picture.is_frame() || size > self.budget_bytes {
+        if picture.is_frame() || picture.bytes() > self.budget_bytes {
             return;
         }
-        self.clock += 1;
         // Two requests may compute the same picture at once.
-        if let Some((old, _)) = self.entries.insert(picture.request.key(), (picture.clone(), self.clock)) {
-            self.bytes -= old.bytes();
-        }
-        self.bytes += size;
+        let key = picture.request.key();
+        self.entries.retain(|(of, _)| *of != key);
+        self.entries.push((key, picture.clone()));
         self.set_budget(self.budget_bytes);
     }
 
     /// Drops pictures beyond the budget, those first that were unused for longest.
     pub fn set_budget(&mut self, budget_bytes: usize) {
         self.budget_bytes = budget_bytes;
-        while self.bytes > self.budget_bytes {
-            let oldest = self.entries.iter().min_by_key(|(_, (_, used))| *used).map(|(key, _)| *key);
-            let Some((old, _)) = oldest.and_then(|key| self.entries.remove(&key)) else { break };
-            self.bytes -= old.bytes();
+        while self.bytes() > self.budget_bytes {
+            self.entries.remove(0);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Opening a burst, finding its features, matching those of two, and the steps of the comparison of methods, which are
 //! the last two with times that can be compared; and the command line that finds the same features.
 
-use super::{BurstId, BurstSource, JobError, OpenBurst, Request, Work};
+use super::{BurstId, BurstSource, JobError, OpenBurst};
 use crate::burst::OpenOptions;
 use crate::dataset::{DetectedBurst, match_bursts};
 use crate::detect::{self, Searched};
@@ -33,12 +33,9 @@ pub struct DetectRequest {
     pub params: SearchParams,
 }
 
-impl Request for DetectRequest {
-    type Answer = Detected;
-    /// Features of one slope of a long search, before the others are searched.
-    type Partial = Detected;
-
-    fn compute(self, work: &Work<'_, Detected>) -> Result<Detected, JobError> {
+// Reports features of one slope of a long search, before the others are searched.
+request! {
+    DetectRequest => Detected; Detected: |self, work| {
         let Self { burst, params: asked } = self;
         let (trails, monitor) = (&work.caches.trails, work.monitor);
         // From cheap to dear: a kept search, one that is judged again by other thresholds, a search.

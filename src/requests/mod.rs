@@ -16,7 +16,6 @@ mod kind;
 mod map;
 mod open;
 mod picture;
-mod pictures;
 mod source;
 mod study;
 mod trail;
@@ -76,4 +75,6 @@ equal_if! {
     MatchRequest: |a, b| Arc::ptr_eq(&a.a, &b.a) && Arc::ptr_eq(&a.b, &b.b) && a.params == b.params;
     LossesRequest: |a, b| Arc::ptr_eq(&a.result, &b.result);
     TrajectorySource: |a, b| a.path == b.path;
+    PictureRequest: |a, b| a.key() == b.key();
+    PictureAnswer: |a, b| a.request == b.request;
 }

@@ -34,13 +34,16 @@ pub trait Request: Clone + PartialEq + Send + 'static {
     fn compute(self, work: &Work<'_, Self::Partial>) -> Result<Self::Answer, JobError>;
 }
 
-/// Makes a request of a type that reports nothing before its answer: the answer's type, an urgency other than that of a
-/// search, and the computation.
+/// Makes a request of a type: the answer's type, after a semicolon that of what is reported before it, an urgency other
+/// than that of a search, and the computation.
 macro_rules! request {
     ($of:ty => $answer:ty $(, $urgency:ident)?: |$this:ident, $work:ident| $compute:block) => {
+        request! { $of => $answer; std::convert::Infallible $(, $urgency)?: |$this, $work| $compute }
+    };
+    ($of:ty => $answer:ty; $partial:ty $(, $urgency:ident)?: |$this:ident, $work:ident| $compute:block) => {
         impl $crate::requests::Request for $of {
             type Answer = $answer;
-            type Partial = std::convert::Infallible;
+            type Partial = $partial;
             $(const URGENCY: $crate::requests::Urgency = $crate::requests::Urgency::$urgency;)?
 
             fn compute($this, $work: &$crate::requests::Work<'_, Self::Partial>) -> Result<$answer, JobError> $compute

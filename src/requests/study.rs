@@ -1,6 +1,6 @@
 //! Measurements: studies of charts or the open burst, their single charts, the paper's figures, camera poses.
 
-use super::{JobError, OpenBurst, Request, Urgency, Work};
+use super::{JobError, OpenBurst};
 use crate::evaluate::poses::{PoseReport, PoseStudy, Trajectory, evaluate_poses, read_trajectory};
 use crate::figures::{FiguresJob, FiguresReport};
 use crate::monitor::Stage;
@@ -16,12 +16,8 @@ pub struct StudyRequest {
     pub open: Option<OpenBurst>,
 }
 
-impl Request for StudyRequest {
-    type Answer = StudyReport;
-    type Partial = StudyReport;
-    const URGENCY: Urgency = Urgency::Dataset;
-
-    fn compute(self, work: &Work<'_, StudyReport>) -> Result<StudyReport, JobError> {
+request! {
+    StudyRequest => StudyReport; StudyReport, Dataset: |self, work| {
         let monitor = work.monitor;
         let Self { mut study, open } = self;
         // Read here and not by the asker: the truth may lie in a file, or its chart has to be made again.

@@ -10,7 +10,7 @@ mod sheet;
 mod state;
 mod values;
 
-pub use goal::{Goal, GoalValue, ParamName, Situation};
+pub use goal::{Goal, GoalValue, ParamName};
 pub use lesson::{Lesson, Question, Step, Task, built_in, built_in_names, lessons_at};
 pub use part::Part;
 pub use sheet::sheet;

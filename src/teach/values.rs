@@ -40,6 +40,12 @@ pub struct Near {
     pub radius: f32,
 }
 
+impl Near {
+    pub fn contains(self, [u, v]: [f32; 2]) -> bool {
+        (u - self.place[0]).hypot(v - self.place[1]) <= self.radius
+    }
+}
+
 impl TryFrom<[f32; 3]> for Near {
     type Error = String;
 

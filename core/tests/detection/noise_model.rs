@@ -132,17 +132,17 @@ fn lines_of_any_period_are_taken_off_and_what_is_not_a_whole_line_stays() {
     // Six a megapixel of 2.4 would be 14; before, single bursts had hundreds.
     assert!(all <= 6, "{all}");
     // Bars that end within the image, or lean, are a scene.
-    let with = |bars: fn(usize, usize) -> f32| {
+    let with = |bars: &dyn Fn(usize, usize) -> f32| {
         let frames = NoiseCase::White.burst((480, 360), 10, 0.02, 5, &quiet()).expect("a burst").frames;
         let with_bars = |frame: &std::sync::Arc<Plane>| Plane::from_fn(480, 360, |u, v| frame.at(u, v) + bars(u, v));
         let burst = Burst::from_planes("bars", frames.iter().map(with_bars).collect());
-        let pattern = found(&burst, NoiseModelKind::Local).noise.pattern;
+        let pattern = &found(&burst, NoiseModelKind::Local).noise.pattern;
         pattern.changing_columns.or(pattern.changing_rows)
     };
     let bar = |x: f32| 0.02 * (0.4 * x).sin();
-    assert_eq!(with(|u, v| if v < 150 { bar(u as f32) } else { 0.0 }), None);
-    assert_eq!(with(|u, v| bar(u as f32 + 0.05 * v as f32)), None);
-    assert!(with(|u, _| bar(u as f32)).is_some());
+    assert_eq!(with(&|u, v| if v < 150 { bar(u as f32) } else { 0.0 }), None);
+    assert_eq!(with(&|u, v| bar(u as f32 + 0.05 * v as f32)), None);
+    assert!(with(&|u, _| bar(u as f32)).is_some());
 }
 
 #[test]

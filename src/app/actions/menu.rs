@@ -170,30 +170,28 @@ impl Palette {
         self.open = run.is_none() && !modal.should_close();
         match run {
             Some(Entry::Action(id)) => queue.push(id),
-            Some(Entry::Parameter(name, value)) => set_or_show(name, value.as_deref(), model, queue),
+            Some(Entry::Parameter(record, value)) => set_or_show(record, value.as_deref(), model, queue),
             None => {}
         }
     }
 }
 
-fn parameter(name: &str) -> &'static Param<SearchParams> {
-    doc::ALL.iter().find(|record| record.name == name).expect("the palette found it")
-}
-
 /// The search with a parameter set, as an option of a command sets it.
-fn with_value(name: &str, value: &str, model: Read<'_>) -> Option<SearchParams> {
-    model.document.params.clone().with_texts([(*parameter(name), value)]).ok()
+fn with_value(record: Param<SearchParams>, value: &str, model: Read<'_>) -> Option<SearchParams> {
+    model.document.params.clone().with_texts([(record, value)]).ok()
 }
 
 fn is_possible(found: &Entry, model: Read<'_>) -> bool {
     match found {
         Entry::Action(id) => enabled(*id, model),
-        Entry::Parameter(name, value) => value.as_ref().is_none_or(|value| with_value(name, value, model).is_some()),
+        Entry::Parameter(record, value) => {
+            value.as_ref().is_none_or(|value| with_value(*record, value, model).is_some())
+        }
     }
 }
 
-fn set_or_show(name: &str, value: Option<&str>, model: Read<'_>, queue: &mut Queue) {
-    match value.and_then(|value| with_value(name, value, model)) {
+fn set_or_show(record: Param<SearchParams>, value: Option<&str>, model: Read<'_>, queue: &mut Queue) {
+    match value.and_then(|value| with_value(record, value, model)) {
         Some(search) => model.document.action_to(search).into_iter().for_each(|action| queue.push(action)),
         None => queue.push(Action::SetPanels(Panels { left: true.into(), advanced: true, ..model.document.panels })),
     }
@@ -210,8 +208,7 @@ fn palette_row_ui(ui: &mut egui::Ui, model: Read<'_>, found: &Entry, chosen: boo
             let right = if is_possible { keys } else { why_not(action, model).to_owned() };
             (action.menu.label(), format!("{}{on}", action.label), right, action.help.to_owned())
         }
-        Entry::Parameter(name, value) => {
-            let record = parameter(name);
+        Entry::Parameter(record, value) => {
             let right = match value {
                 Some(_) if !is_possible => "not a value of it".to_owned(),
                 Some(value) => format!("set to {value}"),
@@ -230,8 +227,8 @@ fn palette_row_ui(ui: &mut egui::Ui, model: Read<'_>, found: &Entry, chosen: boo
 #[derive(Debug, Clone, PartialEq)]
 enum Entry {
     Action(ActionId),
-    /// A parameter of the detector by its name, with the value that was typed after it.
-    Parameter(&'static str, Option<String>),
+    /// A parameter of the detector, with the value that was typed after it.
+    Parameter(Param<SearchParams>, Option<String>),
 }
 
 /// Actions and parameters whose names or help have the words of `text`, the best first; what is possible now before
@@ -257,7 +254,7 @@ fn found_by(text: &str, model: Read<'_>) -> Vec<Entry> {
     });
     let parameters = doc::ALL.iter().filter_map(|record| {
         let rank = rank(name, record.label, record.name)?;
-        Some((rank, Entry::Parameter(record.name, value.clone())))
+        Some((rank, Entry::Parameter(*record, value.clone())))
     });
     let mut found: Vec<(u8, Entry)> = actions.chain(parameters).collect();
     found.sort_by_key(|(rank, _)| *rank);
@@ -397,15 +394,15 @@ mod tests {
             (None, None),
             "letters that are not together"
         );
-        assert_eq!(first("first oct", Read::of(&model)), Some(Entry::Parameter("first-octave", None)));
-        let set = Entry::Parameter("first-octave", Some("-1".to_owned()));
+        assert_eq!(first("first oct", Read::of(&model)), Some(Entry::Parameter(doc::FIRST_OCTAVE, None)));
+        let set = Entry::Parameter(doc::FIRST_OCTAVE, Some("-1".to_owned()));
         assert_eq!(first("first octave -1", Read::of(&model)), Some(set.clone()));
         assert!(is_possible(&set, Read::of(&model)));
         let mut queue = Queue::default();
-        set_or_show("first-octave", Some("-1"), Read::of(&model), &mut queue);
+        set_or_show(doc::FIRST_OCTAVE, Some("-1"), Read::of(&model), &mut queue);
         let Some(Action::Change(changes)) = queue.into_iter().next() else { panic!("it is set") };
         assert_eq!(changes, [ParamChange::new(doc::FIRST_OCTAVE, -1)]);
-        let wrong = Entry::Parameter("first-octave", Some("99".to_owned()));
+        let wrong = Entry::Parameter(doc::FIRST_OCTAVE, Some("99".to_owned()));
         assert!(
             found_by("first octave 99", Read::of(&model)).contains(&wrong) && !is_possible(&wrong, Read::of(&model))
         );

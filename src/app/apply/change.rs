@@ -5,10 +5,10 @@ use crate::app::apply::{comparison, detection, explained, opening, pair, panes, 
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::document::filter::neighbour;
 use crate::app::document::method::plane_of;
-use crate::app::document::{Document, Reference, Side, Visibility};
+use crate::app::document::{Destination, Document, Reference, Side, Visibility};
 use crate::app::pane::Pane;
 use crate::app::results::{Model, Read};
-use crate::detector::Method;
+use crate::detector::{Feature, Method};
 use crate::engine::Engine;
 use crate::requests::BurstSource;
 use crate::teach::{BottomTab, Workspace};
@@ -40,8 +40,9 @@ pub fn open_dark_copy(model: &mut Model, engine: &Engine) {
 pub fn go_to_selection(model: &mut Model, _: &Engine) {
     if when::in_pair(Read::of(model)) {
         pair::go_to_match(model);
-    } else {
-        panes::go_to_selected(model);
+    } else if let Some(&Feature { u, v, sigma, slope, .. }) = Read::of(model).selected_feature() {
+        let at = Some(([u, v], 60.0 / sigma.max(1.0)));
+        model.document.go_to(Side::A, &Destination { slope: Some(slope), at, ..Destination::default() });
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::app::document::{MethodId, Side};
 use crate::app::pane::{MethodsPreset, PaneGroup};
-use crate::app::results::{Effect, MethodFound, Model, Read};
+use crate::app::results::{MethodFound, Model, Read};
 use crate::burst::OpenOptions;
 use crate::engine::{Ended, Engine};
 use crate::requests::{BurstSource, Detected, OpenRequest};
@@ -13,7 +13,7 @@ pub(in crate::app) fn open_gold(model: &mut Model, side: Side, source: BurstSour
     model.results.compare.opening_gold[side].ask(engine, OpenRequest { source, options });
 }
 
-pub(super) fn take_gold(model: &mut Model, side: Side, ended: Ended<OpenRequest>) -> Vec<Effect> {
+pub(super) fn take_gold(model: &mut Model, side: Side, ended: Ended<OpenRequest>) {
     const TITLE: &str = "Open gold standard";
     if let Some(open) = model.shell.messages.answer(ended.result, TITLE) {
         model.shell.messages.resolved(TITLE);
@@ -21,7 +21,6 @@ pub(super) fn take_gold(model: &mut Model, side: Side, ended: Ended<OpenRequest>
         model.results.compare.gold[side] = Some(open);
     }
     model.document.gold[side] = model.results.compare.gold[side].as_ref().map(|open| open.source.clone());
-    Vec::new()
 }
 
 /// Takes over results of the other workspaces with equal parameters, so that they are not computed again.

@@ -25,6 +25,7 @@ use crate::app::actions::registry::{ActionId, Does};
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, Pointed, Side, Visibility};
 use crate::app::results::{Effect, Model, Read};
+use crate::burst::OpenOptions;
 use crate::engine::Engine;
 use crate::teach::BottomTab;
 
@@ -54,7 +55,10 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::Do(id) => return do_row(id, model, engine).into_iter().collect(),
         A::Open(side, source) => _ = opening::open(model, side, source, engine),
         A::OpenDataset(source) => {
-            let options = Read::of(model).options_of_new_dataset();
+            let mut options = model.document.calibration.clone();
+            if Read::of(model).settings_are_of(Side::A).is_some() {
+                options = options.with_burst_of(&OpenOptions::default());
+            }
             datasets::look_at_dataset(model, source, None, options, engine);
         }
         A::UseFeatureFolder(folder) => datasets::use_feature_folder(model, folder, engine),

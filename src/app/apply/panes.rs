@@ -3,13 +3,13 @@
 use crate::app::apply::{methods, params};
 use crate::app::document::cursor::back_and_forth;
 use crate::app::document::panes::Change;
-use crate::app::document::{Action, Cursor, Destination, Document, PlayOver, RangeClass, Side, Visibility};
+use crate::app::document::{Action, Cursor, Document, PlayOver, RangeClass, Side, Visibility};
 use crate::app::pane::{Content, PaneId, Preset};
 use crate::app::results::panes::Play;
 use crate::app::results::pictures::PatchResults;
 use crate::app::results::{Model, Read};
 use crate::app::view::View;
-use crate::detector::{Feature, FrameRange};
+use crate::detector::FrameRange;
 use crate::engine::Ended;
 use crate::requests::{PictureAnswer, PictureRequest, ViewKind};
 use std::time::{Duration, Instant};
@@ -25,12 +25,6 @@ pub fn change_panes(model: &mut Model, change: Change) {
         Change::LayOutSides(preset) => model.document.panes.lay_out_sides(preset),
         Change::LayOutMethods(preset) => methods::lay_out_methods(model, preset),
     }
-}
-
-pub fn go_to_selected(model: &mut Model) {
-    let Some(Feature { u, v, sigma, slope, .. }) = Read::of(model).selected_feature().copied() else { return };
-    let at = Some(([u, v], 60.0 / sigma.max(1.0)));
-    model.document.go_to(Side::A, &Destination { slope: Some(slope), at, ..Destination::default() });
 }
 
 pub fn auto_contrast(model: &mut Model) {

@@ -13,15 +13,6 @@ pub fn clear_probe(model: &mut Model) {
     (model.document.probe, model.results.probed) = Default::default();
 }
 
-/// Probes the burst of `side` from now on. Question and answer about the other burst are forgotten.
-fn turn_probe_to(model: &mut Model, side: Side) {
-    if model.document.probe.side != side {
-        let Probe { is_open, follows, .. } = model.document.probe;
-        model.document.probe = Probe { side, is_open, follows, ..Probe::default() };
-        model.results.probed = ProbeResults { pointer: model.results.probed.pointer, ..ProbeResults::default() };
-    }
-}
-
 /// A question about a feature, or a sample on another grid, becomes one about the best candidate at its place.
 fn take_trail(model: &mut Model, traced: Traced) {
     let slopes = |traced: &Traced| traced.cache.params().used_slopes();
@@ -106,9 +97,14 @@ pub fn ask_probe(model: &mut Model, side: Side, question: ProbeQuestion) {
     panes::open_probe(model);
 }
 
-/// A question about a feature has its own scale and slope.
+/// Probes the burst of `side` from now on: question and answer about the other burst are forgotten. A question about a
+/// feature has its own scale and slope.
 fn set_question(model: &mut Model, side: Side, question: ProbeQuestion) {
-    turn_probe_to(model, side);
+    if model.document.probe.side != side {
+        let Probe { is_open, follows, .. } = model.document.probe;
+        model.document.probe = Probe { side, is_open, follows, ..Probe::default() };
+        model.results.probed = ProbeResults { pointer: model.results.probed.pointer, ..ProbeResults::default() };
+    }
     model.document.probe.question = Some(question);
     let has_scale = matches!(question, ProbeQuestion::At { wanted: ProbeSubject::Feature(_), .. });
     model.document.probe.near_sigma = if has_scale { None } else { Read::of(model).sigma_in_view() };

@@ -4,7 +4,7 @@
 use crate::app::apply::{opening, probe};
 use crate::app::document::{LabSet, Side, Trajectories};
 use crate::app::results::studies::{LabResult, TrajectoryResults};
-use crate::app::results::{Effect, Model, Read};
+use crate::app::results::{Model, Read};
 use crate::app::view::View;
 use crate::engine::{Ended, Engine};
 use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH, PoseStudy, Projection};
@@ -75,7 +75,7 @@ pub(super) fn take_part_of_study(model: &mut Model, report: StudyReport) {
     }
 }
 
-pub(super) fn take_study(model: &mut Model, ended: Ended<StudyRequest>) -> Vec<Effect> {
+pub(super) fn take_study(model: &mut Model, ended: Ended<StudyRequest>) {
     match ended.result {
         Ok(report) => {
             model.results.studies.current = Some(LabResult { study: ended.request.study, report, is_whole: true });
@@ -84,7 +84,6 @@ pub(super) fn take_study(model: &mut Model, ended: Ended<StudyRequest>) -> Vec<E
         Err(JobError::Cancelled) => model.shell.messages.note("The study was cancelled"),
         Err(error) => model.results.studies.problem = Some(error.to_string()),
     }
-    Vec::new()
 }
 
 pub(super) fn take_chart(model: &mut Model, ended: Ended<ChartOfStudy>) {
@@ -110,7 +109,7 @@ pub(in crate::app) fn make_figures(model: &mut Model, out: PathBuf, engine: &Eng
     model.results.figures.ask(engine, job);
 }
 
-pub(super) fn take_figures(model: &mut Model, ended: Ended<FiguresJob>) -> Vec<Effect> {
+pub(super) fn take_figures(model: &mut Model, ended: Ended<FiguresJob>) {
     match ended.result {
         Ok(report) => {
             model.shell.messages.resolved(TITLE);
@@ -121,7 +120,6 @@ pub(super) fn take_figures(model: &mut Model, ended: Ended<FiguresJob>) -> Vec<E
         }
         Err(error) => model.shell.messages.error(TITLE, error.to_string()),
     }
-    Vec::new()
 }
 
 /// Opens a trajectory, or without a path closes it.
@@ -147,7 +145,7 @@ pub fn close_trajectories(model: &mut Model) {
 
 /// Takes the answers. Other trajectories than before reset pan and zoom, and another truth the selection; where one cannot
 /// be read, those that are open stay.
-pub(super) fn take_trajectories(model: &mut Model, ended: Ended<PosesRequest>) -> Vec<Effect> {
+pub(super) fn take_trajectories(model: &mut Model, ended: Ended<PosesRequest>) {
     const TITLE: &str = "Trajectories";
     let (set, before) = (&mut model.document.trajectories, &model.results.poses.compared.read);
     match ended.result {
@@ -176,7 +174,6 @@ pub(super) fn take_trajectories(model: &mut Model, ended: Ended<PosesRequest>) -
             model.shell.messages.error(TITLE, error.to_string());
         }
     }
-    Vec::new()
 }
 
 /// Shows the built-in cameras and points beside the true cameras.

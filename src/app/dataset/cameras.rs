@@ -72,8 +72,11 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         queue.point(&model.results.poses.hovered, camera, Pointed::Camera);
     }
     // A camera comes before the points around it.
-    let point = response.hover_pos().filter(|_| pointed.is_none());
-    let point = point.and_then(|pos| nearest_point(&scene, &ui_from_plane, pos));
+    let point = response.hover_pos().filter(|_| pointed.is_none()).and_then(|pos| {
+        let near = scene.points.iter().map(|(point, at)| (ui_from_plane.pos(*at).distance(pos), *point));
+        let (distance, point) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (distance <= 0.5 * REACH).then_some(point)
+    });
     let select = point.map_or(Action::SelectCamera(camera), Action::SelectPoint);
     queue.push_if(response.clicked(), select);
     if let Some((which, spot)) = pointed.filter(|_| response.double_clicked()) {
@@ -109,13 +112,6 @@ fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) 
     let near = spots.map(|(which, s)| (ui_from_plane.pos(s.pos).distance(pos), which, s));
     let (_, which, spot) = near.filter(|n| n.0 <= REACH).min_by(|a, b| a.0.total_cmp(&b.0))?;
     Some((which, spot))
-}
-
-/// Place in the model of the nearest point that is drawn.
-fn nearest_point(scene: &PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) -> Option<usize> {
-    let near = scene.points.iter().map(|(point, at)| (ui_from_plane.pos(*at).distance(pos), *point));
-    let (distance, point) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (distance <= 0.5 * REACH).then_some(point)
 }
 
 fn label_of(model: Read<'_>, which: Which, index: usize) -> &str {
@@ -237,7 +233,12 @@ fn frame_ui(ui: &Ui, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTr
         entry("Not registered", None, &ring);
     }
     if !scene.points.is_empty() {
-        entry(&points_text(model, scene), None, &|middle| {
+        let all = model.results.poses.model().map_or(0, |model| model.points.len());
+        let text = match scene.points.len() {
+            drawn if drawn < all => format!("3D points, {drawn} of {all} drawn"),
+            drawn => format!("{drawn} 3D points"),
+        };
+        entry(&text, None, &|middle| {
             painter.rect_filled(Rect::from_center_size(middle, vec2(2.5, 2.5)), 0.0, point_colour(ui));
         });
     }
@@ -263,15 +264,6 @@ fn frame_ui(ui: &Ui, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTr
 pub fn errors_text(PoseReport { right, images, absolute, .. }: &PoseReport) -> String {
     let [ate, angle] = [absolute.translation.rmse, absolute.rotation_deg.rmse];
     format!("{right} of {images} right, ATE {ate:.4}, {angle:.3}°")
-}
-
-/// The number of points, and how many of them are drawn if not all are.
-fn points_text(model: Read<'_>, scene: &PlaneScene) -> String {
-    let all = model.results.poses.model().map_or(0, |model| model.points.len());
-    match scene.points.len() {
-        drawn if drawn < all => format!("3D points, {drawn} of {all} drawn"),
-        drawn => format!("{drawn} 3D points"),
-    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -402,8 +394,6 @@ pub fn camera_list_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             queue.point(&poses.hovered, Some(camera), Pointed::Camera);
         }
         queue.push_if(row.clicked(), Action::SelectCamera(Some(camera)));
-        if row.double_clicked() {
-            queue.push(Action::OpenCamera(camera_label(model, camera).to_owned()));
-        }
+        queue.push_if(row.double_clicked(), Action::OpenCamera(camera_label(model, camera).to_owned()));
     });
 }

@@ -67,10 +67,12 @@ impl PathField {
                 select(ctx, id, &self.text, stem(&self.text));
             }
             weak_ui(ui, "Tab completes the path. The arrows choose a name, or first one of the paths opened last.");
-            if let Some(folder) = self.purpose.saves().then(|| new_folder(&path_from_text(&self.text))).flatten() {
+            let path = path_from_text(&self.text);
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && self.purpose.saves());
+            if let Some(folder) = folder.filter(|folder| !folder.exists()) {
                 ui.weak(format!("The folder {} will be made.", folder.display()));
             }
-            if let Some(folder) = std::env::current_dir().ok().filter(|_| path_from_text(&self.text).is_relative()) {
+            if let Some(folder) = std::env::current_dir().ok().filter(|_| path.is_relative()) {
                 ui.weak(format!("From {}", folder.display()));
             }
             ui.add_space(6.0);
@@ -78,7 +80,7 @@ impl PathField {
             let verb = if self.purpose.saves() { "Save" } else { "Open" };
             let is_ready = !self.text.trim().is_empty();
             if (accept_ui(ui, verb, is_ready).clicked() || entered) && is_ready {
-                accepted = Some(path_from_text(&self.text));
+                accepted = Some(path);
                 ui.close();
             }
         });
@@ -131,12 +133,6 @@ fn select(ctx: &egui::Context, id: egui::Id, text: &str, places: [usize; 2]) {
     let [from, to] = places.map(|place| egui::text::CCursor::new(text[..place].chars().count()));
     state.cursor.set_char_range(Some(egui::text::CCursorRange::two(from, to)));
     TextEdit::store_state(ctx, id, state);
-}
-
-/// Folder that has to be created for a file at `path`; `None` when it exists.
-fn new_folder(path: &std::path::Path) -> Option<PathBuf> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty())?;
-    (!folder.exists()).then(|| folder.to_path_buf())
 }
 
 /// Removes surrounding blanks, quotes and a leading `file://`; replaces a leading `~/` by the home folder.

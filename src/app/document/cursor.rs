@@ -1,5 +1,6 @@
 //! The cursor of a pane: kind of picture, frame, slope, octave and level.
 
+use crate::app::defaults::with_defaults;
 use crate::detector::scale_space::searched_octaves;
 use crate::detector::{DetectorParams, Slope, SlopeGrid};
 use crate::requests::PictureKind;
@@ -120,17 +121,13 @@ pub enum PlayOver {
     Scales,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Playing {
-    pub over: PlayOver,
-    /// Pictures a second, at most.
-    pub rate: u8,
-}
-
-impl Default for Playing {
-    fn default() -> Self {
-        Self { over: PlayOver::default(), rate: 5 }
+with_defaults! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(default)]
+    pub struct Playing {
+        pub over: PlayOver,
+        /// Pictures a second, at most.
+        pub rate: u8 = 5,
     }
 }
 

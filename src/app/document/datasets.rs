@@ -1,5 +1,6 @@
 //! The dataset and the trajectories as they are set.
 
+use crate::app::defaults::with_defaults;
 use crate::app::document::{Side, Sides};
 use crate::app::view::View;
 use crate::app::words::choices;
@@ -31,20 +32,16 @@ choices! {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct PairChoice {
-    /// Whether each burst is matched with the next few only.
-    pub neighbours: bool,
-    /// Number of these next bursts, 1 or more.
-    pub overlap: usize,
-    /// Number of others, 1 or more, with which each burst is matched that look most alike; `None` for another rule.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub alike: Option<usize>,
-}
-
-impl Default for PairChoice {
-    fn default() -> Self {
-        Self { neighbours: false, overlap: 3, alike: None }
+with_defaults! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub struct PairChoice {
+        /// Whether each burst is matched with the next few only.
+        pub neighbours: bool,
+        /// Number of these next bursts, 1 or more.
+        pub overlap: usize = 3,
+        /// Number of others, 1 or more, with which each burst is matched that look most alike; `None` for another rule.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub alike: Option<usize>,
     }
 }
 

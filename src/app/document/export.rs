@@ -1,5 +1,6 @@
 //! What is exported: contents and style of a figure, the film, and the purposes for which the user is asked for files.
 
+use crate::app::defaults::with_defaults;
 use crate::app::document::Side;
 use crate::app::words::choices;
 use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH};
@@ -8,42 +9,24 @@ use crate::export::{FigureAmount, FigureFormat, FigureOptions, FigureWidth};
 use crate::requests::{BurstSource, Which};
 use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct FigureChoice {
-    pub format: FigureFormat,
-    pub all_panes: bool,
-    pub whole_picture: bool,
-    pub width: FigureWidth,
-    /// In the unit of the width, as the height of letters.
-    pub stroke_width: f32,
-    pub font_size: f32,
-    pub features: FigureAmount,
-    pub matches: FigureAmount,
-    pub titles: bool,
-    pub letters: bool,
-    pub legend: bool,
-    pub colour_bar: bool,
-    pub scale_bar: bool,
-}
-
-impl Default for FigureChoice {
-    fn default() -> Self {
-        Self {
-            format: FigureFormat::Pdf,
-            all_panes: true,
-            whole_picture: false,
-            width: FigureWidth::Millimetres(TWO_COLUMNS_MM),
-            stroke_width: 0.75,
-            font_size: 8.0,
-            features: FigureAmount::Drawn,
-            matches: FigureAmount::Drawn,
-            titles: true,
-            letters: true,
-            legend: true,
-            colour_bar: true,
-            scale_bar: true,
-        }
+with_defaults! {
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(default)]
+    pub struct FigureChoice {
+        pub format: FigureFormat = FigureFormat::Pdf,
+        pub all_panes: bool = true,
+        pub whole_picture: bool,
+        pub width: FigureWidth = FigureWidth::Millimetres(TWO_COLUMNS_MM),
+        /// In the unit of the width, as the height of letters.
+        pub stroke_width: f32 = 0.75,
+        pub font_size: f32 = 8.0,
+        pub features: FigureAmount = FigureAmount::Drawn,
+        pub matches: FigureAmount = FigureAmount::Drawn,
+        pub titles: bool = true,
+        pub letters: bool = true,
+        pub legend: bool = true,
+        pub colour_bar: bool = true,
+        pub scale_bar: bool = true,
     }
 }
 
@@ -82,16 +65,12 @@ choices! {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FilmChoice {
-    pub content: FilmContent,
-    pub rate: u16,
-    pub max_side_px: usize,
-}
-
-impl Default for FilmChoice {
-    fn default() -> Self {
-        Self { content: FilmContent::default(), rate: 10, max_side_px: 640 }
+with_defaults! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    pub struct FilmChoice {
+        pub content: FilmContent,
+        pub rate: u16 = 10,
+        pub max_side_px: usize = 640,
     }
 }
 

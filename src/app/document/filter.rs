@@ -15,12 +15,6 @@ pub struct Interval {
     pub max: f32,
 }
 
-impl Interval {
-    fn holds(self, x: f32) -> bool {
-        (self.min..=self.max).contains(&x)
-    }
-}
-
 /// Conditions that a feature must satisfy to be shown; `None` lets all features pass.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
@@ -118,9 +112,10 @@ impl Filter {
     /// When the slope on show, of `grid`, is `slope`; before `judged` is known, the feature passes.
     pub fn passes(&self, feature: &Feature, judged: Option<&Judged>, grid: &SlopeGrid, slope: Slope) -> bool {
         let known = KnownOfFeature { judged, depth_m: None };
-        self.ranges
-            .iter()
-            .all(|(quantity, range)| ranged(*quantity, feature, known).is_none_or(|value| range.holds(value)))
+        let is_within = |(quantity, Interval { min, max }): (&Quantity, &Interval)| {
+            ranged(*quantity, feature, known).is_none_or(|value| (*min..=*max).contains(&value))
+        };
+        self.ranges.iter().all(is_within)
             && judged.is_none_or(|judged| self.verdict.is_none_or(|verdict| judged.verdict == verdict))
             && !(self.hide_slope_limit && feature.at_slope_limit)
             && self.shows_layer(feature.layer)

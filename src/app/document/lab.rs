@@ -1,5 +1,6 @@
 //! The Lab: its questions with the settings of their studies.
 
+use crate::app::defaults::with_defaults;
 use crate::app::words::choices;
 use crate::detector::{SearchParams, SlopeGrid};
 use crate::evaluate::chart::FRAME_COUNTS;
@@ -18,50 +19,29 @@ pub enum LabSet {
     Kept(usize),
 }
 
-/// Settings of the studies, and the choice among their results.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Lab {
-    pub question: LabQuestion,
-    /// The charts; ratio and seed are those of the fields below.
-    pub chart: ChartParams,
-    pub snrs_text: String,
-    pub counts_text: String,
-    pub seeds: u64,
-    pub first_seed: u64,
-    pub methods: Vec<BurstMethod>,
-    /// The ratio whose ROC curves are shown, as an index of the rows.
-    pub roc_row: usize,
-    pub hidden: BTreeSet<String>,
-    pub selected: Option<(LabSet, StudyPoint)>,
-    pub selected_chart: u64,
-    /// Whether all that was detected on it is marked, not only what lies above the threshold of the curves.
-    pub all_detected: bool,
-    pub dark_copy: NoisyParams,
-    pub planted: RecoverStudy,
-    /// The planted thing that is looked at: the seed of its copy, and its number in it.
-    pub selected_thing: Option<(u64, usize)>,
-}
-
-impl Default for Lab {
-    fn default() -> Self {
-        let study = ChartStudy::default();
-        Self {
-            question: LabQuestion::default(),
-            chart: study.chart,
-            snrs_text: "0.2, 0.35, 0.6".to_owned(),
-            counts_text: FRAME_COUNTS.map(|count| count.to_string()).join(", "),
-            seeds: study.seeds,
-            first_seed: study.first_seed,
-            methods: vec![BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d],
-            roc_row: 0,
-            hidden: BTreeSet::new(),
-            selected: None,
-            selected_chart: 0,
-            all_detected: false,
-            dark_copy: NoisyParams::default(),
-            planted: RecoverStudy { copies: 12, ..RecoverStudy::default() },
-            selected_thing: None,
-        }
+with_defaults! {
+    /// Settings of the studies, and the choice among their results.
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    pub struct Lab {
+        pub question: LabQuestion,
+        /// The charts; ratio and seed are those of the fields below.
+        pub chart: ChartParams = ChartStudy::default().chart,
+        pub snrs_text: String = "0.2, 0.35, 0.6".to_owned(),
+        pub counts_text: String = FRAME_COUNTS.map(|count| count.to_string()).join(", "),
+        pub seeds: u64 = ChartStudy::default().seeds,
+        pub first_seed: u64 = ChartStudy::default().first_seed,
+        pub methods: Vec<BurstMethod> = vec![BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d],
+        /// The ratio whose ROC curves are shown, as an index of the rows.
+        pub roc_row: usize,
+        pub hidden: BTreeSet<String>,
+        pub selected: Option<(LabSet, StudyPoint)>,
+        pub selected_chart: u64,
+        /// Whether all that was detected on it is marked, not only what lies above the threshold of the curves.
+        pub all_detected: bool,
+        pub dark_copy: NoisyParams,
+        pub planted: RecoverStudy = RecoverStudy { copies: 12, ..RecoverStudy::default() },
+        /// The planted thing that is looked at: the seed of its copy, and its number in it.
+        pub selected_thing: Option<(u64, usize)>,
     }
 }
 

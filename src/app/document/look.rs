@@ -2,6 +2,7 @@
 //! a range, so that slopes, or frames, can be compared. It is set once, from the first picture of its class (of several
 //! panes, that in focus), and again when the window goes to the first slope with features; after that only by the user.
 
+use crate::app::defaults::with_defaults;
 use crate::app::words::choices;
 use crate::detector::params::Bounds;
 use crate::error::Error;
@@ -11,38 +12,22 @@ pub use crate::requests::RangeClass;
 use serde::{Deserialize, Serialize};
 use std::ops::Bound;
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Ranges {
-    pub frame: Display,
-    pub intensity: Display,
-    pub response: Display,
-    pub difference: Display,
-    pub noise: Display,
-    pub share: Display,
-    /// Whether the range was set since the burst was opened.
-    pub frame_fixed: bool,
-    pub intensity_fixed: bool,
-    pub response_fixed: bool,
-    pub difference_fixed: bool,
-    pub noise_fixed: bool,
-}
-
-impl Default for Ranges {
-    fn default() -> Self {
-        Self {
-            frame: Display::default(),
-            intensity: Display::default(),
-            response: Display::symmetric(0.02),
-            difference: Display::symmetric(0.05),
-            noise: Display { map: ColourMap::Viridis, ..Display::default() }.with_range(0.0, 0.01),
-            share: Display { map: ColourMap::Cividis, ..Display::default() },
-            frame_fixed: false,
-            intensity_fixed: false,
-            response_fixed: false,
-            difference_fixed: false,
-            noise_fixed: false,
-        }
+with_defaults! {
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(default, deny_unknown_fields)]
+    pub struct Ranges {
+        pub frame: Display,
+        pub intensity: Display,
+        pub response: Display = Display::symmetric(0.02),
+        pub difference: Display = Display::symmetric(0.05),
+        pub noise: Display = Display { map: ColourMap::Viridis, ..Display::default() }.with_range(0.0, 0.01),
+        pub share: Display = Display { map: ColourMap::Cividis, ..Display::default() },
+        /// Whether the range was set since the burst was opened.
+        pub frame_fixed: bool,
+        pub intensity_fixed: bool,
+        pub response_fixed: bool,
+        pub difference_fixed: bool,
+        pub noise_fixed: bool,
     }
 }
 
@@ -148,39 +133,26 @@ impl FeaturesShown {
 pub const SMOOTHING_PX: Bounds =
     Bounds::new((Bound::Included(0.0), Bound::Included(8.0)), "give 0 to 8 pixels; 0 smooths nothing");
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Look {
-    #[serde(flatten)]
-    pub ranges: Ranges,
-    pub overlay: FeaturesShown,
-    /// Whether all features are drawn in full, however close they lie.
-    pub draws_all: bool,
-    pub motion_vectors: bool,
-    pub orientations: bool,
-    pub legend: bool,
-    /// σ of the Gaussian by which pictures are smoothed for looking at them, input pixels; 0 for none.
-    pub smoothing_px: f32,
+with_defaults! {
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    #[serde(default, deny_unknown_fields)]
+    pub struct Look {
+        #[serde(flatten)]
+        pub ranges: Ranges,
+        pub overlay: FeaturesShown,
+        /// Whether all features are drawn in full, however close they lie.
+        pub draws_all: bool,
+        pub motion_vectors: bool = true,
+        pub orientations: bool = true,
+        pub legend: bool = true,
+        /// σ of the Gaussian by which pictures are smoothed for looking at them, input pixels; 0 for none.
+        pub smoothing_px: f32,
+    }
 }
 
 impl Look {
     /// Checks the numbers that decide how long a picture takes. Others are brought into their ranges.
     pub fn check(&self) -> Result<(), Error> {
         SMOOTHING_PX.check("smoothing_px", f64::from(self.smoothing_px))
-    }
-}
-
-impl Default for Look {
-    fn default() -> Self {
-        let (ranges, overlay) = Default::default();
-        Self {
-            ranges,
-            overlay,
-            draws_all: false,
-            motion_vectors: true,
-            orientations: true,
-            legend: true,
-            smoothing_px: 0.0,
-        }
     }
 }

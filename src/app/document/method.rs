@@ -1,26 +1,27 @@
 //! Methods that are compared: the same detector on different inputs made from a burst; and their comparison as it is set.
 
+use crate::app::defaults::with_defaults;
+use crate::app::words::choices;
 use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
 use crate::evaluate::{BurstMethod, Searches};
 use crate::study::SameFalseRate;
 use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MethodId {
-    Sift,
-    Merge,
-    Buff1d,
-    Buff2d,
-    Gold,
+choices! {
+    #[derive(PartialOrd, Ord)]
+    MethodId {
+        Sift: "SIFT, one frame", "SIFT on the middle frame only, without the rest of the burst";
+        Merge: "SIFT, merged", "SIFT on the frames aligned tile by tile and merged robustly into one";
+        Buff1d: "BuFF 1D", "Burst features, joint over place, scale and slope, on one line of slopes";
+        Buff2d: "BuFF 2D", "Burst features, joint over place, scale and slope, on a plane of slopes";
+        Gold: "Gold standard", "SIFT on an image of the same view that was taken with enough light";
+    }
 }
 
 /// Range (±, pixels per frame) and number of slopes of an axis where the edited grid has none to take over.
 const USUAL: (f32, usize) = (3.0, 7);
 
 impl MethodId {
-    pub const ALL: [Self; 5] = [Self::Sift, Self::Merge, Self::Buff1d, Self::Buff2d, Self::Gold];
-
     pub fn of_search(params: &DetectorParams) -> Self {
         match params.method {
             Method::Sift => Self::Sift,
@@ -41,21 +42,11 @@ impl MethodId {
     }
 
     pub fn label(self) -> &'static str {
-        match self {
-            Self::Merge => "SIFT, merged",
-            Self::Gold => "Gold standard",
-            method => method.of_studies().label(),
-        }
+        self.words()[0]
     }
 
     pub fn help(self) -> &'static str {
-        match self {
-            Self::Sift => "SIFT on the middle frame only, without the rest of the burst",
-            Self::Merge => "SIFT on the frames aligned tile by tile and merged robustly into one",
-            Self::Buff1d => "Burst features, joint over place, scale and slope, on one line of slopes",
-            Self::Buff2d => "Burst features, joint over place, scale and slope, on a plane of slopes",
-            Self::Gold => "SIFT on an image of the same view that was taken with enough light",
-        }
+        self.words()[1]
     }
 
     /// Everything but the method and, for BuFF, the shape of the grid of slopes stays.
@@ -96,18 +87,14 @@ pub fn plane_of(grid: SlopeGrid) -> SlopeGrid {
     SlopeGrid { u, v, ..grid }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct CompareLook {
-    pub methods: Vec<MethodId>,
-    /// Peak thresholds of the methods, from charts; each method has that of the search where there is none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub same_false_rate: Option<SameFalseRate>,
-}
-
-impl Default for CompareLook {
-    fn default() -> Self {
-        Self { methods: MethodId::ALL.to_vec(), same_false_rate: None }
+with_defaults! {
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    #[serde(default)]
+    pub struct CompareLook {
+        pub methods: Vec<MethodId> = MethodId::ALL.to_vec(),
+        /// Peak thresholds of the methods, from charts; each method has that of the search where there is none.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        pub same_false_rate: Option<SameFalseRate>,
     }
 }
 

@@ -1,28 +1,30 @@
 //! Two bursts as they are set: the look and order of their matches, and the panes of each.
 
+use crate::app::defaults::with_defaults;
 use crate::app::document::{Cursor, Document, Ranges, Side};
 use crate::app::pane::{Link, PaneGroup, PaneId, PaneLinks};
 use crate::app::words::choices;
 use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MatchColumn {
-    #[default]
-    Number,
-    UA,
-    VA,
-    UB,
-    VB,
-    SigmaA,
-    SigmaB,
-    SlopeA,
-    SlopeB,
-    Motion,
-    Distance,
-    Ratio,
-    Error,
-    Inlier,
+choices! {
+    #[derive(Default)]
+    MatchColumn {
+        #[default]
+        Number: "#", "Number, in the order of A's features, from 0, as in files";
+        UA: "u A", "Column in A at mid-burst; the first pixel's centre is 0";
+        VA: "v A", "Row in A at mid-burst; the first pixel's centre is 0";
+        UB: "u B", "Column in B at mid-burst; the first pixel's centre is 0";
+        VB: "v B", "Row in B at mid-burst; the first pixel's centre is 0";
+        SigmaA: "σ A", "Scale σ in A, pixels";
+        SigmaB: "σ B", "Scale σ in B, pixels";
+        SlopeA: "Slope A", "Apparent motion in A to the right, px/frame";
+        SlopeB: "Slope B", "Apparent motion in B to the right, px/frame";
+        Motion: "Motions", "Difference of the motions in A and B, px/frame";
+        Distance: "Distance", "Distance of the descriptors";
+        Ratio: "Ratio", "Distance over that to the second nearest compared";
+        Error: "Error", "Distance from the geometry, pixels";
+        Inlier: "Inlier", "Whether it agrees with the geometry";
+    }
 }
 
 choices! {
@@ -36,37 +38,23 @@ choices! {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct MatchLook {
-    /// Whether the matches that agree with the geometry are shown; also those that were not verified.
-    pub inliers: bool,
-    pub outliers: bool,
-    pub alone: bool,
-    pub features: bool,
-    pub geometry: bool,
-    pub drawn_as: MatchesAs,
-    /// Largest number of matches that are drawn; as many as each part of the picture bears if `None`.
-    pub most: Option<usize>,
-    /// Whether lines have the colour of the difference of the motions.
-    pub by_motion: bool,
-    /// Largest difference of the motions of the matches that are shown, px/frame.
-    pub max_motion: Option<f32>,
-}
-
-impl Default for MatchLook {
-    fn default() -> Self {
-        Self {
-            inliers: true,
-            outliers: true,
-            alone: true,
-            features: false,
-            geometry: true,
-            drawn_as: MatchesAs::Lines,
-            most: None,
-            by_motion: false,
-            max_motion: None,
-        }
+with_defaults! {
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    #[serde(default)]
+    pub struct MatchLook {
+        /// Whether the matches that agree with the geometry are shown; also those that were not verified.
+        pub inliers: bool = true,
+        pub outliers: bool = true,
+        pub alone: bool = true,
+        pub features: bool,
+        pub geometry: bool = true,
+        pub drawn_as: MatchesAs = MatchesAs::Lines,
+        /// Largest number of matches that are drawn; as many as each part of the picture bears if `None`.
+        pub most: Option<usize>,
+        /// Whether lines have the colour of the difference of the motions.
+        pub by_motion: bool,
+        /// Largest difference of the motions of the matches that are shown, px/frame.
+        pub max_motion: Option<f32>,
     }
 }
 

@@ -1,5 +1,6 @@
 //! Panels and panes as they are set: what is open, cursors that follow the one in focus, views, links and ranges.
 
+use crate::app::defaults::with_defaults;
 use crate::app::document::cursor::ViewKind;
 use crate::app::document::{Cursor, Document, Ranges, Side};
 use crate::app::pane::{Direction, Link, MethodsPreset, Pane, PaneGroup, PaneId, Preset, SidesPreset};
@@ -208,28 +209,23 @@ impl From<bool> for Visibility {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Panels {
-    /// Cursor and parameters; by itself where the window is wide enough.
-    pub left: Visibility,
-    /// Display, selection and probe; by itself with a selection or a probe.
-    pub right: Visibility,
-    /// Table, tally and measurements; by itself in workspaces other than *One burst* and *Two bursts*.
-    pub bottom: Visibility,
-    pub filmstrip: bool,
-    pub advanced: bool,
-    pub welcome: bool,
-    /// A lesson is shown to a hall: large pictures, large letters, and only the panels that a step points at.
-    pub hall: bool,
-    /// The focus under the pointer is shown in a loupe beside it; else in the whole pane.
-    pub loupe: bool,
-}
-
-impl Default for Panels {
-    fn default() -> Self {
-        let (auto, [advanced, hall, loupe]) = (Visibility::Auto, [false; 3]);
-        Self { left: auto, right: auto, bottom: auto, filmstrip: true, advanced, welcome: true, hall, loupe }
+with_defaults! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(default)]
+    pub struct Panels {
+        /// Cursor and parameters; by itself where the window is wide enough.
+        pub left: Visibility,
+        /// Display, selection and probe; by itself with a selection or a probe.
+        pub right: Visibility,
+        /// Table, tally and measurements; by itself in workspaces other than *One burst* and *Two bursts*.
+        pub bottom: Visibility,
+        pub filmstrip: bool = true,
+        pub advanced: bool,
+        pub welcome: bool = true,
+        /// A lesson is shown to a hall: large pictures, large letters, and only the panels that a step points at.
+        pub hall: bool,
+        /// The focus under the pointer is shown in a loupe beside it; else in the whole pane.
+        pub loupe: bool,
     }
 }
 
@@ -293,27 +289,22 @@ impl Hidden {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Measure {
-    pub tool: Tool,
-    pub shape: MaskShape,
-    /// Radius of the brush, image pixels.
-    pub brush_px: f32,
-    /// Whether the last outline is a polygon that gets more corners.
-    pub is_open: bool,
-    pub line: Option<MeasuredLine>,
-    pub region: Option<MeasuredRegion>,
-    pub drag: Option<(PaneId, Pos2)>,
-    /// Parts of the mask, in the order drawn; during a drag the last one is being drawn.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub hidden: Vec<Hidden>,
-}
-
-impl Default for Measure {
-    fn default() -> Self {
-        let (tool, shape, line, region) = Default::default();
-        Self { tool, shape, brush_px: 8.0, is_open: false, line, region, drag: None, hidden: Vec::new() }
+with_defaults! {
+    #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+    #[serde(default)]
+    pub struct Measure {
+        pub tool: Tool,
+        pub shape: MaskShape,
+        /// Radius of the brush, image pixels.
+        pub brush_px: f32 = 8.0,
+        /// Whether the last outline is a polygon that gets more corners.
+        pub is_open: bool,
+        pub line: Option<MeasuredLine>,
+        pub region: Option<MeasuredRegion>,
+        pub drag: Option<(PaneId, Pos2)>,
+        /// Parts of the mask, in the order drawn; during a drag the last one is being drawn.
+        #[serde(skip_serializing_if = "Vec::is_empty")]
+        pub hidden: Vec<Hidden>,
     }
 }
 

@@ -18,7 +18,6 @@ use crate::app::panel::picture::{PictureState, describe};
 use crate::app::panel::widgets::{close_ui, error_ui, modal_ui};
 use crate::app::results::{MatchRow, Matches, Read};
 use crate::app::workspace::pair::lines::line_of;
-use crate::burst::Offset;
 use crate::detector::{Feature, Quantity};
 use crate::export::{
     ColourBar, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
@@ -45,10 +44,16 @@ fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: 
             .collect(),
         false => Vec::new(),
     };
+    // Panes hidden behind a tab have no neighbours.
+    let place = |id: &PaneId| Some((*id, widgets.rect_ui(*id).filter(egui::Rect::is_positive)?));
+    let places: Vec<_> = panes.iter().filter_map(place).collect();
     let mut links = Vec::new();
     let (mut all, mut drawn) = (Vec::new(), Vec::new());
     for (method, matches, shown) in shown {
-        let joined = joined_of(model, widgets, panes, (method, matches));
+        // Panes of A and of B that the window joins for these, with the times of their pictures from mid-burst.
+        let shift = |id: PaneId, side| model.frames_from_middle(id, matches.detection(side)).unwrap_or_default();
+        let pairs = joined_panes(model, &places, method).into_iter().map(|(a, b)| [places[a].0, places[b].0]);
+        let joined: Vec<_> = pairs.map(|ids| (ids, [shift(ids[0], Side::A), shift(ids[1], Side::B)])).collect();
         let is_selected = |index| method.is_none() && model.document.selected_match == Some(index);
         let mut rows: Vec<MatchRow<'_>> = shown.into_iter().filter_map(|index| matches.row(index)).collect();
         // Matches with lines in the window, between the first two panes that are joined.
@@ -83,21 +88,6 @@ fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: 
     let has_legend = choice.legend && !links.is_empty();
     let legend = if has_legend { MatchKind::legend(&drawn, &all, label) } else { Vec::new() };
     FigureMatches { links, legend }
-}
-
-/// Panes of A and of B that the window joins for the matches of `method`, with the times of their pictures from mid-burst.
-fn joined_of(
-    model: Read<'_>,
-    widgets: &PaneWidgets,
-    panes: &[PaneId],
-    (method, matches): (Option<MethodId>, &Matches),
-) -> Vec<([PaneId; 2], [Offset<f32>; 2])> {
-    // Panes hidden behind a tab have no neighbours.
-    let place = |id: &PaneId| Some((*id, widgets.rect_ui(*id).filter(egui::Rect::is_positive)?));
-    let places: Vec<_> = panes.iter().filter_map(place).collect();
-    let shift = |id: PaneId, side| model.frames_from_middle(id, matches.detection(side)).unwrap_or_default();
-    let pairs = joined_panes(model, &places, method).into_iter().map(|(a, b)| [a, b].map(|place| places[place].0));
-    pairs.map(|ids| (ids, [shift(ids[0], Side::A), shift(ids[1], Side::B)])).collect()
 }
 
 /// The figure of the panes by `choice`, or why there is none.

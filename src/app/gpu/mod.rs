@@ -9,7 +9,7 @@ mod setup;
 mod texture;
 
 pub use renderer::{PicturePaint, PictureRenderer};
-pub use setup::{AdapterChoice, Gpu, install, textures_of, wgpu_configuration, wgpu_setup};
+pub use setup::{AdapterChoice, Gpu, install, textures_of, wgpu_setup};
 pub use texture::DeviceLimits;
 
 use std::sync::atomic::{AtomicU64, Ordering};

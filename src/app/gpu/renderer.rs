@@ -251,10 +251,8 @@ pub(super) fn pipeline(device: &wgpu::Device, target: wgpu::TextureFormat) -> wg
 
 /// Creates a texture of all colour maps: 256 columns, one row for each map in the order of [`ColourMap::ALL`].
 pub(super) fn lut_texture(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
-    let mut bytes = Vec::with_capacity(256 * 4 * ColourMap::ALL.len());
-    for [r, g, b] in ColourMap::ALL.into_iter().flat_map(ColourMap::lut) {
-        bytes.extend_from_slice(&[r, g, b, 255]);
-    }
+    let colours = ColourMap::ALL.into_iter().flat_map(ColourMap::lut);
+    let bytes: Vec<u8> = colours.flat_map(|[r, g, b]| [r, g, b, 255]).collect();
     let described = wgpu::TextureDescriptor {
         label: Some("burstscope colour maps"),
         size: wgpu::Extent3d { width: 256, height: ColourMap::ALL.len() as u32, depth_or_array_layers: 1 },

@@ -5,7 +5,7 @@ use super::renderer::Failures;
 use super::{DeviceLimits, PictureRenderer};
 use egui::epaint::{ColorImage, ImageData, ImageDelta, TextureId};
 use egui::{Context, FullOutput, TextureOptions};
-use egui_wgpu::{RenderState, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
+use egui_wgpu::{RenderState, WgpuSetup, WgpuSetupCreateNew};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
@@ -33,10 +33,6 @@ pub fn wgpu_setup(choice: AdapterChoice) -> WgpuSetup {
         }));
     }
     WgpuSetup::CreateNew(setup)
-}
-
-pub fn wgpu_configuration() -> WgpuConfiguration {
-    WgpuConfiguration { wgpu_setup: wgpu_setup(AdapterChoice::Fastest), ..Default::default() }
 }
 
 /// Portable limits, raised to the adapter's where the size of pictures depends on them.

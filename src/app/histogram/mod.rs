@@ -15,7 +15,7 @@ use crate::inspect::words::counted;
 use crate::plane::display::{ColourMap, Display, GAMMA_RANGE};
 use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};
 use egui::{CursorIcon, DragValue, Rangef, Rect, Response, Sense, Slider, Ui, vec2};
-use plot::{Drag, Grip, PlotGeometry, axis_fits, axis_for, dragged, grip_at, nearest_end};
+use plot::{Drag, Grip, PlotGeometry, axis_fits, axis_for, dragged, grip_at};
 
 const BINS: usize = 256;
 
@@ -105,7 +105,11 @@ impl HistogramPanel {
         };
         let response = response.on_hover_and_drag_cursor(cursor);
         if let Some(pointer) = response.hover_pos().filter(|p| geometry.bars.contains(*p) && !response.dragged()) {
-            response.on_hover_text_at_pointer(bin_text(&counts, geometry.value_at(pointer.x)));
+            let t = (geometry.value_at(pointer.x) - counts.min) / (counts.max - counts.min);
+            let i = ((t * counts.counts.len() as f32).max(0.0) as usize).min(counts.counts.len() - 1);
+            let (from, to) = counts.bin_range(i);
+            let pixels = counted(counts.counts[i] as usize, "pixel");
+            response.on_hover_text_at_pointer(format!("{} … {}: {pixels}", number(from, 4), number(to, 4)));
         }
     }
 
@@ -129,7 +133,10 @@ impl HistogramPanel {
         {
             // The place of the press, not that where the drag was recognised, decides what is grabbed.
             let press = pointer - response.total_drag_delta().unwrap_or_default();
-            let grip = grip_at(press, geometry, display).unwrap_or_else(|| nearest_end(press, geometry, display));
+            let grip = grip_at(press, geometry, display);
+            // A press outside the range moves its nearer end.
+            let end = if press.x < geometry.x_of(display.min) { Grip::Min } else { Grip::Max };
+            let grip = grip.unwrap_or(end);
             self.drag = Some(Drag { grip, start: *display, start_value: geometry.value_at(press.x) });
         }
         if !response.dragged() {
@@ -140,13 +147,6 @@ impl HistogramPanel {
         *display = dragged(drag, geometry.value_at(pointer.x), geometry.axis);
         Some(drag.grip)
     }
-}
-
-fn bin_text(histogram: &Histogram, value: f32) -> String {
-    let t = (value - histogram.min) / (histogram.max - histogram.min);
-    let i = ((t * histogram.counts.len() as f32).max(0.0) as usize).min(histogram.counts.len() - 1);
-    let (from, to) = histogram.bin_range(i);
-    format!("{} … {}: {}", number(from, 4), number(to, 4), counted(histogram.counts[i] as usize, "pixel"))
 }
 
 /// Draws a button for each choice of values that the range can be set from; returns whether one was pressed.
@@ -210,7 +210,9 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
         let response = combo.show_ui(ui, |ui| {
             for map in ColourMap::ALL {
                 ui.horizontal(|ui| {
-                    swatch_ui(ui, map);
+                    let (rect, _) = ui.allocate_exact_size(vec2(44.0, 12.0), Sense::hover());
+                    let lut = map.lut();
+                    strip_of_colours(ui.painter(), rect, 32, |i, _| rgb(lut[i * 255 / 31]));
                     ui.selectable_value(&mut display.map, map, map.name()).on_hover_text(map.help());
                 });
             }
@@ -229,10 +231,4 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
         display.gamma = display.gamma.clamp(*GAMMA_RANGE.start(), *GAMMA_RANGE.end());
         ui.end_row();
     });
-}
-
-fn swatch_ui(ui: &mut Ui, map: ColourMap) {
-    let (rect, _) = ui.allocate_exact_size(vec2(44.0, 12.0), Sense::hover());
-    let lut = map.lut();
-    strip_of_colours(ui.painter(), rect, 32, |i, _| rgb(lut[i * 255 / 31]));
 }

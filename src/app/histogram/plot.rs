@@ -189,11 +189,6 @@ pub fn grip_at(pointer: Pos2, geometry: &PlotGeometry, display: &Display) -> Opt
     }
 }
 
-/// End of the range that a press outside it moves.
-pub fn nearest_end(pointer: Pos2, geometry: &PlotGeometry, display: &Display) -> Grip {
-    if pointer.x < geometry.x_of(display.min) { Grip::Min } else { Grip::Max }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -167,7 +167,11 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: Read<'_>, widgets: &mut Pane
         whole_menu_ui(ui, |ui| {
             // From the particular to the general: feature, match, place, picture, pane.
             if let Some(index) = place.feature {
-                feature_menu_ui(ui, model, index, queue);
+                if let Some(feature) = model.features().get(index) {
+                    ui.label(RichText::new(format!("Feature {index}")).small().weak());
+                    queue.push_if(ui.button("Select").clicked(), Action::Select(Some(index)));
+                    feature_items_ui(ui, feature, index, queue);
+                }
                 ui.separator();
             }
             if let Some(matches) = &model.results.pair.matches
@@ -198,13 +202,6 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: Read<'_>, widgets: &mut Pane
             view_ui(ui, model, id, queue);
         });
     });
-}
-
-fn feature_menu_ui(ui: &mut Ui, model: Read<'_>, index: usize, queue: &mut Queue) {
-    let Some(feature) = model.features().get(index) else { return };
-    ui.label(RichText::new(format!("Feature {index}")).small().weak());
-    queue.push_if(ui.button("Select").clicked(), Action::Select(Some(index)));
-    feature_items_ui(ui, feature, index, queue);
 }
 
 pub(in crate::app) fn feature_items_ui(ui: &mut Ui, feature: &Feature, index: usize, queue: &mut Queue) {

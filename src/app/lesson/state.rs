@@ -215,7 +215,7 @@ impl Lessons {
             // A burst that was requested for another step has been opened.
             return self.begin_step();
         }
-        let is_met = open.step().task.as_ref().is_some_and(|task| task.goal.is_met(&steps::seen(model)));
+        let is_met = open.step().task.as_ref().is_some_and(|task| steps::is_met(&task.goal, model));
         let (selects, is_news) = (open.select_first(model), is_met && open.done.insert(open.step));
         if is_news {
             self.remember();

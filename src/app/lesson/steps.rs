@@ -1,4 +1,4 @@
-//! Steps and the project: sets it up as a step begins, and reads from it what the goals of tasks ask about.
+//! Steps and the project: sets it up as a step begins, and checks in it what the goals of tasks ask about.
 
 use crate::app::canvas::{View, Zoom};
 use crate::app::document::cursor::ViewKind;
@@ -6,7 +6,7 @@ use crate::app::document::{Cursor, Document, FeaturesShown, Panels, SetUpState, 
 use crate::app::pane::{Content, PaneId, PaneLinks, Panes};
 use crate::app::results::Read;
 use crate::detector::{SearchParams, SlopeGrid};
-use crate::teach::{InView, Layout, Part, Situation, State, Step, Workspace};
+use crate::teach::{Between, Goal, InView, Layout, Part, State, Step, Workspace};
 
 /// Panels of a step; in a hall only those with something that the step points at.
 pub(super) fn panels_of(step: &Step, hall: bool) -> Panels {
@@ -95,32 +95,46 @@ fn set_panes(panes: &mut Panes, state: &State, frames: usize) {
     }
 }
 
-pub(super) fn seen(model: Read<'_>) -> Situation<'_> {
-    let cursor = model.document.cursor();
-    let current = model.results.slots.a.found.is_some() && model.stale().is_none();
+/// Whether all conditions of a goal hold; an absent one always does.
+pub(super) fn is_met(goal: &Goal, model: Read<'_>) -> bool {
+    let (document, cursor, params) = (model.document, model.document.cursor(), model.params_of(Side::A));
+    let frames_used = document.params.used_frames(model.frame_count()).len();
+    let is_current = model.results.slots.a.found.is_some() && model.stale().is_none();
     let matches = model.results.pair.matches.as_ref().filter(|_| !model.needs_matches());
-    Situation {
-        slope: cursor.slope,
-        show: model.document.focused().shown(),
-        layout: layout(model),
-        frame: cursor.frame,
-        octave: cursor.octave,
-        level: cursor.level,
-        frames_used: model.document.params.used_frames(model.frame_count()).len(),
-        features: current.then(|| model.features().len()),
-        selected: model.selected_feature().is_some(),
-        probe: model.probed_place().filter(|_| model.document.probe.side == Side::A && model.probe_is_current()),
-        params: model.params_of(Side::A),
-        matching: &model.document.matching,
-        tab: model.shows_bottom().then_some(model.document.bottom_tab),
-        workspace: model.document.workspace,
-        inliers: matches.and_then(|matches| matches.result.counts.inliers),
-        selected_match: model.document.selected_match.is_some(),
-        camera: model.document.trajectories.selected.is_some(),
-        reads_depths: model.document.set_up.reads_depths,
-        detects: model.document.auto_detect,
-        finds_slopes: model.document.params.slopes.is_auto(),
-    }
+    let inliers = matches.and_then(|matches| matches.result.counts.inliers);
+    let probe = model.probed_place().filter(|_| document.probe.side == Side::A && model.probe_is_current());
+    let grid = params.used_slopes();
+    let within = |wanted: Option<Between>, value: f32| wanted.is_none_or(|wanted| wanted.contains(value));
+    // As long as features or inliers are not counted, no number of them is reached.
+    let counted = |wanted: Option<Between>, value: Option<usize>| {
+        wanted.is_none_or(|wanted| value.is_some_and(|value| wanted.contains(value as f32)))
+    };
+    within(goal.slope_u, cursor.slope.u)
+        && within(goal.slope_v, cursor.slope.v)
+        && same(goal.show, document.focused().shown())
+        && same(goal.layout, layout(model))
+        && within(goal.frame, cursor.frame as f32)
+        && within(goal.octave, cursor.octave as f32)
+        && within(goal.level, cursor.level as f32)
+        && within(goal.frames_used, frames_used as f32)
+        && counted(goal.features, is_current.then(|| model.features().len()))
+        && same(goal.selected, Some(model.selected_feature().is_some()))
+        && goal.probe.is_none_or(|near| probe.is_some_and(|place| near.contains(place)))
+        && goal.params_are_met(&params, &document.matching)
+        && goal.searches_u.is_none_or(|wanted| grid.u.min <= wanted.min && wanted.max <= grid.u.max)
+        && within(goal.slopes, grid.len() as f32)
+        && same(goal.tab, model.shows_bottom().then_some(document.bottom_tab))
+        && same(goal.workspace, Some(document.workspace))
+        && counted(goal.inliers, inliers)
+        && same(goal.selected_match, Some(document.selected_match.is_some()))
+        && same(goal.camera, Some(document.trajectories.selected.is_some()))
+        && same(goal.reads_depths, Some(document.set_up.reads_depths))
+        && same(goal.detects, Some(document.auto_detect))
+        && same(goal.finds_slopes, Some(document.params.slopes.is_auto()))
+}
+
+fn same<T: PartialEq>(wanted: Option<T>, now: Option<T>) -> bool {
+    wanted.is_none() || wanted == now
 }
 
 /// Layout of the panes, as far as their contents determine it.
@@ -161,6 +175,26 @@ mod tests {
     use super::*;
     use crate::app::apply::panes;
     use crate::app::results::Model;
+
+    #[test]
+    fn conditions_hold_within_their_bounds() {
+        let mut model = Model::default();
+        model.document.params.slopes = SlopeGrid::line(-3.0..=3.0, 7).into();
+        for (text, met) in [
+            ("", true),
+            ("slope_v = [0, 0.6]\nslope_u = [1, 2]", false),
+            ("level = [1, 2]", false),
+            ("features = [0, 100]", false),
+            ("inliers = [0, 9]", false),
+            ("probe = [100, 50, 9]", false),
+            ("searches_u = [-3, 2]", true),
+            ("searches_u = [-4, 2]", false),
+            ("slopes = [7, 7]", true),
+        ] {
+            let goal: Goal = toml::from_str(text).expect(text);
+            assert_eq!(is_met(&goal, Read::of(&model)), met, "{text}");
+        }
+    }
 
     #[test]
     fn every_layout_is_seen_as_what_it_is() {

@@ -57,7 +57,8 @@ pub fn region_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &mu
     ui.horizontal(|ui| {
         button_ui(ui, model, queue, ActionId::MeasureRegion, Some("Draw a rectangle"));
         if ui.button("Copy numbers").on_hover_text("Copy the table, tabs between the columns").clicked() {
-            ui.ctx().copy_text(table_text(&rows));
+            let headings = COLUMNS.map(|(heading, _)| heading).join("\t");
+            ui.ctx().copy_text(rows.iter().fold(headings, |text, row| text + "\n" + &row.join("\t")));
         }
         button_ui(ui, model, queue, ActionId::ClearMeasure, Some("Clear rectangle"));
         let rect = region.rect_image;
@@ -94,11 +95,6 @@ fn row(of: &PaneRegion, statistics: Option<RegionStatistics>) -> [String; COLUMN
         number(s.max, 4),
         s.noise.map_or_else(|| "–".to_owned(), |noise| number(noise as f32, 4)),
     ]
-}
-
-fn table_text(rows: &[[String; COLUMNS.len()]]) -> String {
-    let headings = COLUMNS.map(|(heading, _)| heading).join("\t");
-    rows.iter().fold(headings, |text, row| text + "\n" + &row.join("\t"))
 }
 
 fn table_ui(ui: &mut Ui, rows: &[[String; COLUMNS.len()]]) {

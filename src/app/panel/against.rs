@@ -85,7 +85,9 @@ pub fn against_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
     });
     if let Some(row) = table_ui(ui, model, side, shown, queue) {
         queue.push(Action::SelectRow(side, Some(row)));
-        if let Some(row) = shown.rows.get(row).filter(|row| !is_in_view(model, widgets, row)) {
+        let seen = widgets.get(model.document.focus()).and_then(|widget| widget.picture.visible_image);
+        let is_seen = |row: &Row| seen.is_some_and(|seen| seen.contains(row.pos_image.into()));
+        if let Some(row) = shown.rows.get(row).filter(|row| !is_seen(row)) {
             let at = Some((row.pos_image, 0.0));
             queue.push(Action::GoTo(side, Destination { at, ..Destination::default() }));
         }
@@ -154,12 +156,6 @@ fn text(row: &Row, column: usize) -> String {
         4 => or_dash(row.slope.map(|slope| signed_slope(slope, 2))),
         _ => or_dash(row.feature.map(|index| format!("#{index}"))),
     }
-}
-
-fn is_in_view(model: Read<'_>, widgets: &PaneWidgets, row: &Row) -> bool {
-    let [u, v] = row.pos_image;
-    let seen = widgets.get(model.document.focus()).and_then(|widget| widget.picture.visible_image);
-    seen.is_some_and(|seen| seen.contains(pos2(u, v)))
 }
 
 /// Where a comparison is drawn, and which of its rows.

@@ -223,7 +223,13 @@ pub fn strip_ui(ui: &mut Ui, model: Read<'_>, second: bool, queue: &mut Queue) {
         if response.dragged()
             && let (Some(drag), Some(delta)) = (ui.data(|d| d.get_temp::<Drag>(ends_id)), response.total_drag_delta())
         {
-            set_axis(model, second, moved(drag.axis, index == 1, delta.x * range.span() / rect.width()), queue);
+            let axis = moved(drag.axis, index == 1, delta.x * range.span() / rect.width());
+            let grid = model.grid_of(Side::A);
+            let after = if second { SlopeGrid { v: axis, ..grid } } else { SlopeGrid { u: axis, ..grid } };
+            if after != grid {
+                let after = SearchParams { slopes: after.into(), ..model.document.params.clone() };
+                model.document.action_to(after).into_iter().for_each(|action| queue.push(action));
+            }
         }
         if response.drag_stopped() {
             ui.data_mut(|data| data.remove::<Drag>(ends_id));
@@ -259,15 +265,6 @@ fn moved(axis: SlopeAxis, upper: bool, pulled: f32) -> SlopeAxis {
         SlopeAxis { max: wider.max - fewer * axis.step(), count, ..wider }
     } else {
         SlopeAxis { min: wider.min + fewer * axis.step(), count, ..wider }
-    }
-}
-
-fn set_axis(model: Read<'_>, second: bool, axis: SlopeAxis, queue: &mut Queue) {
-    let grid = model.grid_of(Side::A);
-    let moved = if second { SlopeGrid { v: axis, ..grid } } else { SlopeGrid { u: axis, ..grid } };
-    if moved != grid {
-        let after = SearchParams { slopes: moved.into(), ..model.document.params.clone() };
-        model.document.action_to(after).into_iter().for_each(|action| queue.push(action));
     }
 }
 

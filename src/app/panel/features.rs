@@ -207,7 +207,19 @@ pub fn features_ui(
         let says_the_same = |key: &overlay::ColourScale| scale.has_wheel() && scale.limit_text() == key.limit_text();
         // One is enough where the colours of the picture and of the features mean the same.
         if !(notes.is_empty() && key.as_ref().is_some_and(says_the_same)) {
-            features_legend_ui(ui, model, &scale, &notes, place, key.is_some(), queue);
+            // Beside the key of the picture's motions it has to say what it is of.
+            let roomy = key.is_some() || rect_ui.height() > 340.0 && rect_ui.width() > 480.0;
+            let texts = if roomy { 1 + notes.len() } else { 0 };
+            let size = vec2(if scale.has_wheel() { 160.0 } else { 196.0 }, scale.height() + 12.0 + 18.0 * texts as f32);
+            place.ui(ui, model, size, queue, |ui| {
+                if roomy {
+                    ui.label(RichText::new(scale.name()).small());
+                }
+                scale.legend_ui(ui);
+                for note in notes.iter().filter(|_| roomy) {
+                    ui.label(RichText::new(note).small().weak());
+                }
+            });
         }
     }
 }
@@ -286,28 +298,4 @@ fn grey_text(model: Read<'_>, layer: &FeatureLayer, scale: &overlay::ColourScale
         },
     };
     scale.has_unknown().then(|| format!("Grey: {why}"))
-}
-
-fn features_legend_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    scale: &overlay::ColourScale,
-    notes: &[String],
-    place: legend::LegendCorner,
-    is_beside_key: bool,
-    queue: &mut Queue,
-) {
-    // Beside the key of the picture's motions it has to say what it is of.
-    let roomy = is_beside_key || place.rect_ui.height() > 340.0 && place.rect_ui.width() > 480.0;
-    let texts = if roomy { 1 + notes.len() } else { 0 };
-    let size = vec2(if scale.has_wheel() { 160.0 } else { 196.0 }, scale.height() + 12.0 + 18.0 * texts as f32);
-    place.ui(ui, model, size, queue, |ui| {
-        if roomy {
-            ui.label(RichText::new(scale.name()).small());
-        }
-        scale.legend_ui(ui);
-        for note in notes.iter().filter(|_| roomy) {
-            ui.label(RichText::new(note).small().weak());
-        }
-    });
 }

@@ -144,7 +144,11 @@ fn cells(model: Read<'_>, method: MethodId) -> Vec<String> {
     let is_running = model.results.compare.running().is_some_and(|(running, _)| running == method);
     let failed = || model.results.compare.problem(method).map(|_| "failed".to_owned());
     let state = is_running.then(|| "…".to_owned()).or_else(failed);
-    let snr = found(Side::A).and_then(|f| median_snr(&f.detection.features)).map(|snr| format!("{snr:.1}"));
+    let snr = found(Side::A).and_then(|f| {
+        let mut snrs: Vec<f32> = f.detection.features.iter().map(|f| f.snr).collect();
+        snrs.sort_by(f32::total_cmp);
+        snrs.get(snrs.len() / 2).map(|median| format!("{median:.1}"))
+    });
     let of_pair = PAIR_NUMBERS.map(|(.., of)| counts.and_then(|counts| of(&counts)));
     let time = found(Side::A).map(|f| match in_time(f.elapsed) {
         time if time.is_empty() => "kept".to_owned(),
@@ -165,10 +169,4 @@ pub fn methods_table(model: Read<'_>) -> Table {
     };
     let names: Vec<&str> = std::iter::once("Method").chain(columns().map(|(name, _)| name)).collect();
     Table::new("Methods", &names.join(","), model.methods_shown().into_iter().map(row).collect())
-}
-
-fn median_snr(features: &[crate::detector::Feature]) -> Option<f32> {
-    let mut snrs: Vec<f32> = features.iter().map(|f| f.snr).collect();
-    snrs.sort_by(f32::total_cmp);
-    snrs.get(snrs.len() / 2).copied()
 }

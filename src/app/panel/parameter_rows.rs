@@ -3,7 +3,7 @@
 use crate::app::panel::widgets::{error_ui, hint};
 use crate::app::words::explained;
 use crate::detector::params::{Drag, Field, Param, ParamDoc, Word};
-use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis, SlopeGrid, Slopes};
+use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis};
 use crate::error::Error;
 use crate::teach::Part;
 use crate::teach::glossary::glossary;
@@ -142,14 +142,6 @@ fn word_ui(ui: &mut Ui, value: &mut dyn Word, label: Id) {
     let mut chosen = value.word();
     choice_ui(ui, &mut chosen, label, value.words());
     value.set_word(chosen);
-}
-
-/// Draws the switch between slopes that are found and `grid`.
-pub fn slope_choice_ui(ui: &mut Ui, choice: &mut Slopes, grid: SlopeGrid) {
-    let mut auto = choice.is_auto();
-    if ui.checkbox(&mut auto, "Auto slopes").changed() {
-        *choice = if auto { Slopes::AUTO } else { grid.into() };
-    }
 }
 
 fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {

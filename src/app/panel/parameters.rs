@@ -92,7 +92,12 @@ impl Rows<'_> {
             ui,
             &doc::SLOPES,
             &mut self.choice,
-            |ui, choice, _| rows::slope_choice_ui(ui, choice, grid),
+            |ui, choice, _| {
+                let mut auto = choice.is_auto();
+                if ui.checkbox(&mut auto, "Auto slopes").changed() {
+                    *choice = if auto { Slopes::AUTO } else { grid.into() };
+                }
+            },
             |ui, choice| {
                 if rows::reset_ui(ui, &doc::SLOPES, *choice != Slopes::AUTO) {
                     *choice = Slopes::AUTO;

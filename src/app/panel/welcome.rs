@@ -82,14 +82,12 @@ const CARD_WIDTH: f32 = 336.0;
 /// Minimum size of a picture with the card over it, in points.
 const CARD_ROOM: egui::Vec2 = vec2(400.0, 260.0);
 
-fn shows_card(model: Read<'_>) -> bool {
-    let of_demo = model.burst_of(Side::A).is_some_and(|open| open.source == BurstSource::Demo);
-    model.document.panels.welcome && of_demo && !model.is_in_lesson() && model.document.workspace.inspects()
-}
-
 /// Draws the card over the picture in `rect_ui`, if it is shown. Returns the chosen lesson.
 pub fn card_ui(ctx: &Context, model: Read<'_>, lessons: &Lessons, rect_ui: Rect, queue: &mut Queue) -> Chosen {
-    if !shows_card(model) || rect_ui.width() < CARD_ROOM.x || rect_ui.height() < CARD_ROOM.y {
+    let of_demo = model.burst_of(Side::A).is_some_and(|open| open.source == BurstSource::Demo);
+    let inspects_demo = of_demo && !model.is_in_lesson() && model.document.workspace.inspects();
+    let is_shown = model.document.panels.welcome && inspects_demo;
+    if !is_shown || rect_ui.width() < CARD_ROOM.x || rect_ui.height() < CARD_ROOM.y {
         return None;
     }
     let (mut chosen, mut panels) = (None, model.document.panels);

@@ -83,11 +83,8 @@ pub fn choice_ui<T: PartialEq + Copy>(
         list = list.width(width).truncate();
     }
     let shown = list.show_ui(ui, |ui| {
-        let mut clicked = false;
-        for choice in choices {
-            clicked |= ui.selectable_value(value, choice, name(choice)).clicked();
-        }
-        clicked
+        let mut is_clicked = |choice: &T| ui.selectable_value(value, *choice, name(*choice)).clicked();
+        choices.into_iter().filter(|choice| is_clicked(choice)).count() > 0
     });
     shown.response.labelled_by(label);
     shown.inner.unwrap_or(false)

@@ -33,11 +33,41 @@ pub struct ExplainedState {
     pub asked_decoys: Wanted<ExplainRequest>,
 }
 
+#[derive(Debug, Default)]
+pub struct CoherenceState {
+    pub known: Vec<Coherences>,
+    pub wanted: Sides<Wanted<CoherenceRequest>>,
+}
+
+impl CoherenceState {
+    pub fn try_again(&mut self) {
+        self.wanted = Sides::default();
+    }
+
+    pub fn running(&self) -> Option<Running> {
+        self.wanted.both().into_iter().find_map(Wanted::running)
+    }
+
+    pub fn of(&self, detection: &Arc<Detection>) -> Option<&Arc<Vec<Judged>>> {
+        self.known.iter().find(|known| Arc::ptr_eq(&known.detection, detection)).map(|known| &known.values)
+    }
+
+    pub fn failure_of(&self, detection: &Arc<Detection>) -> Option<&JobError> {
+        let mut failures = self.wanted.both().into_iter().filter_map(Wanted::failure);
+        failures.find(|(request, _)| Arc::ptr_eq(&request.detection, detection)).map(|(_, why)| why)
+    }
+}
+
 impl<'a> Read<'a> {
-    /// The slopes of the detection on show, if they are wanted and not known. A running detection comes first.
+    /// The slopes of the detection on show, if they are not known: always wanted, unless the detection took long. A single
+    /// frame has none. A running detection comes first.
     pub fn missing_slopes(self) -> Option<ExplainRequest> {
         let is_time = self.document.workspace.inspects() && !self.results.slots.a.detecting.is_pending();
-        self.wanted_slopes().filter(|_| is_time && self.spectrum().is_none())
+        let found =
+            self.found_of(Side::A).filter(|_| is_time && self.spectrum().is_none() && self.stale().is_none())?;
+        let has_slopes = found.params.method == Method::Buff && found.detection.frames_used.len() > 1;
+        let wanted = has_slopes && (self.results.explained.slopes_wanted || !self.slopes_take_long());
+        self.explain_request(ExplainQuestion::Slopes).filter(|_| wanted)
     }
 
     pub fn missing_candidates(self) -> Option<ExplainRequest> {
@@ -51,14 +81,11 @@ impl<'a> Read<'a> {
     pub fn missing_decoys(self) -> Option<ExplainRequest> {
         let is_current = self.stale().is_none() && !self.results.slots.a.detecting.is_pending();
         let request = self.decoys_request().filter(|_| is_current && self.decoys().is_none())?;
-        let by_filter = self.document.filter.verdict.is_some() || self.shows_too_little();
-        (by_filter && !self.slopes_take_long() || self.has_asked_for_decoys(&request)).then_some(request)
-    }
-
-    /// Whether the frames were looked at and leave open if the slopes fit, while features were found.
-    fn shows_too_little(self) -> bool {
+        // The frames may leave open if the slopes fit, while features were found.
         let judgement = self.spectrum().and_then(|spectrum| spectrum.judgement.as_ref());
-        !self.features().is_empty() && judgement.is_some_and(|judgement| !judgement.fits && judgement.advice.is_none())
+        let is_open = judgement.is_some_and(|judgement| !judgement.fits && judgement.advice.is_none());
+        let by_filter = self.document.filter.verdict.is_some() || !self.features().is_empty() && is_open;
+        (by_filter && !self.slopes_take_long() || self.has_asked_for_decoys(&request)).then_some(request)
     }
 
     pub fn has_asked_for_decoys(self, request: &ExplainRequest) -> bool {
@@ -113,51 +140,10 @@ impl<'a> Read<'a> {
         self.found_of(Side::A).is_some_and(|found| found.elapsed.as_secs_f32() > SHORT_SECS)
     }
 
-    /// Always wanted, unless the detection took long. A single frame has none.
-    pub fn wanted_slopes(self) -> Option<ExplainRequest> {
-        let found = self.found_of(Side::A)?;
-        let has_slopes = found.params.method == Method::Buff && found.detection.frames_used.len() > 1;
-        let wanted = has_slopes && (self.results.explained.slopes_wanted || !self.slopes_take_long());
-        self.explain_request(ExplainQuestion::Slopes).filter(|_| wanted && self.stale().is_none())
-    }
-
     pub fn wanted_candidates(self) -> Option<ExplainRequest> {
         let test = self.document.shown_test?;
         let options = SurveyOptions { test: Some(test), ..SurveyOptions::default() };
         self.explain_request(ExplainQuestion::Candidates(options))
-    }
-}
-
-#[derive(Debug, Default)]
-pub struct CoherenceState {
-    pub known: Vec<Coherences>,
-    pub wanted: Sides<Wanted<CoherenceRequest>>,
-}
-
-impl CoherenceState {
-    pub fn try_again(&mut self) {
-        self.wanted = Sides::default();
-    }
-
-    pub fn running(&self) -> Option<Running> {
-        self.wanted.both().into_iter().find_map(Wanted::running)
-    }
-
-    pub fn of(&self, detection: &Arc<Detection>) -> Option<&Arc<Vec<Judged>>> {
-        self.known.iter().find(|known| Arc::ptr_eq(&known.detection, detection)).map(|known| &known.values)
-    }
-
-    pub fn failure_of(&self, detection: &Arc<Detection>) -> Option<&JobError> {
-        let mut failures = self.wanted.both().into_iter().filter_map(Wanted::failure);
-        failures.find(|(request, _)| Arc::ptr_eq(&request.detection, detection)).map(|(_, why)| why)
-    }
-}
-
-impl<'a> Read<'a> {
-    fn lists_verdicts(self) -> bool {
-        let is_in_table = self.shows_bottom() && self.document.bottom_tab == BottomTab::Table;
-        self.document.workspace.inspects()
-            && (is_in_table || self.document.filter.needs_verdicts() || self.selected_feature().is_some())
     }
 
     /// A running detection comes first.
@@ -166,8 +152,10 @@ impl<'a> Read<'a> {
             && self.document.panes.iter().any(|(_, pane)| pane.side == side);
         let workspace = self.document.workspace;
         let is_shown = workspace.shows_pair() || workspace.inspects() && is_drawn;
+        let is_in_table = self.shows_bottom() && self.document.bottom_tab == BottomTab::Table;
+        let lists_verdicts = is_in_table || self.document.filter.needs_verdicts() || self.selected_feature().is_some();
         let is_asked = self.document.colour_by == ColourBy::Of(Quantity::Coherence) && is_shown
-            || side == Side::A && self.lists_verdicts();
+            || side == Side::A && workspace.inspects() && lists_verdicts;
         if !is_asked || self.results.slots[side].detecting.is_pending() {
             return None;
         }

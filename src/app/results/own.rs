@@ -108,13 +108,4 @@ impl<'a> Read<'a> {
             Side::B => Own { frames: None, slopes: None, filter: Filter::default(), ..own },
         }
     }
-
-    /// Options of a dataset that is opened beside, or in place of, what is open.
-    pub(in crate::app) fn options_of_new_dataset(self) -> OpenOptions {
-        let calibration = self.document.calibration.clone();
-        match self.settings_are_of(Side::A) {
-            Some(_) => calibration.with_burst_of(&OpenOptions::default()),
-            None => calibration,
-        }
-    }
 }

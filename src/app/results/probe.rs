@@ -82,11 +82,6 @@ impl<'a> Read<'a> {
         self.results.probed.answer.as_ref().zip(wanted).is_some_and(|(answer, wanted)| answer.request == wanted)
     }
 
-    pub(super) fn probe_wants_features(self, side: Side) -> bool {
-        let (probe, slot) = (&self.document.probe, &self.results.slots[side]);
-        probe.is_on() && probe.side == side && slot.found.is_none() && self.results.probed.problem.is_none()
-    }
-
     /// A running detection comes first: it leaves its trail.
     pub fn missing_trail(self, dragging: bool) -> Option<DetectionSource> {
         let waits = dragging || self.results.slots[self.document.probe.side].detecting.is_pending();

@@ -197,12 +197,6 @@ impl<'a> Read<'a> {
         Some(DetectRequest { burst: self.burst_of(side)?.clone(), params: self.asked_of(side) })
     }
 
-    /// Whether a detection with the present parameters is missing, could be made, and has not failed already.
-    pub fn wants_detection(self, side: Side) -> bool {
-        let failed = |request: &DetectRequest| self.results.slots[side].detecting.has_failed(request);
-        self.needs_detection(side) && !self.detect_request(side).as_ref().is_some_and(failed)
-    }
-
     /// They need no search, or that of the fewer slopes, and the last ones asked for are there: a newer request would
     /// cancel them.
     pub(in crate::app) fn features_can_follow(self, side: Side) -> bool {
@@ -221,8 +215,12 @@ impl<'a> Read<'a> {
             Side::A => !dragging || self.features_can_follow(side),
             Side::B => !dragging && self.document.workspace.shows_pair(),
         };
-        let is_time = self.document.auto_detect && follows || !dragging && self.probe_wants_features(side);
-        self.detect_request(side).filter(|_| is_time && self.wants_detection(side))
+        let (probe, slot) = (&self.document.probe, &self.results.slots[side]);
+        let is_probed = probe.is_on() && probe.side == side;
+        let by_probe = is_probed && slot.found.is_none() && self.results.probed.problem.is_none();
+        let is_time = self.document.auto_detect && follows || !dragging && by_probe;
+        let is_missing = is_time && self.needs_detection(side);
+        self.detect_request(side).filter(|request| is_missing && !slot.detecting.has_failed(request))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Studies: the Lab's, with the curves so far and the chart on show, and that of estimated and true trajectories.
 
-use crate::app::document::{LabQuestion, LabSet, Side, Trajectories};
+use crate::app::document::{LabSet, Side, Trajectories};
 use crate::app::results::Read;
 use crate::app::view::View;
 use crate::engine::Wanted;
@@ -235,14 +235,6 @@ impl Studies {
         }
     }
 
-    /// The results that are drawn, the newest first, each with the name that its curves have beside their method's.
-    pub fn shown_results(&self, question: LabQuestion) -> Vec<(LabSet, Option<&str>, &LabResult)> {
-        let current = self.current.iter().map(|result| (LabSet::Current, None, result));
-        let kept = self.kept.iter().enumerate().filter(|(_, kept)| kept.is_shown);
-        let kept = kept.map(|(index, kept)| (LabSet::Kept(index), Some(kept.name.as_str()), &kept.result));
-        current.chain(kept).filter(|(.., result)| question.asks_for(&result.report)).collect()
-    }
-
     pub fn keep_current(&mut self) {
         if let Some(result) = self.current.clone() {
             let name = format!("Kept {}", self.kept.len() + 1);
@@ -259,8 +251,13 @@ impl Studies {
 }
 
 impl<'a> Read<'a> {
+    /// The results that are drawn, the newest first, each with the name that its curves have beside their method's.
     pub fn lab_results(self) -> Vec<(LabSet, Option<&'a str>, &'a LabResult)> {
-        self.results.studies.shown_results(self.document.lab.question)
+        let Studies { current, kept, .. } = &self.results.studies;
+        let current = current.iter().map(|result| (LabSet::Current, None, result));
+        let kept = kept.iter().enumerate().filter(|(_, kept)| kept.is_shown);
+        let kept = kept.map(|(index, kept)| (LabSet::Kept(index), Some(kept.name.as_str()), &kept.result));
+        current.chain(kept).filter(|(.., result)| self.document.lab.question.asks_for(&result.report)).collect()
     }
 
     pub fn selected_chart(self) -> Option<ChartOfStudy> {

@@ -1,21 +1,23 @@
-//! Work on a whole dataset: long, so that each finished burst and pair is reported before the answer.
+//! Work on a whole dataset, opening, detecting and matching: long, so that each finished burst and pair is reported
+//! before the answer.
 
 #[cfg(feature = "colmap")]
 mod colmap;
-mod work;
 
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapDone, ColmapRequest};
 
-use crate::burst::{BurstFiles, OpenOptions};
+use crate::burst::{BurstFiles, Entries, OpenOptions};
 use crate::dataset::{
-    BurstEvent, BurstPicture, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind, thumbnail,
+    BurstCameras, BurstEvent, BurstPicture, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind,
+    KeptBursts, MatchedPair, detect_all, match_pairs, thumbnail,
 };
 use crate::detector::SearchParams;
 use crate::error::Error;
 use crate::files::shell_path;
 use crate::matching::{MatchCounts, MatchParams, PairSelection};
-use crate::requests::{JobError, Request, Urgency, Work};
+use crate::monitor::{Monitor, Stage};
+use crate::requests::JobError;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -97,6 +99,81 @@ impl DatasetEvent {
     }
 }
 
+request! {
+    DatasetRequest => DatasetAnswer; DatasetEvent, Dataset: |self, work| {
+        let (tell, monitor) = (work.tell, work.monitor);
+        match self {
+            Self::Open { source, folder, params, open } => {
+                look(source, folder, params, open, monitor).map(|open| DatasetAnswer::Opened(Box::new(open)))
+            }
+            Self::Detect { bursts, keeping } => {
+                let mut on = |event: BurstEvent<'_>| DatasetEvent::of(&event).into_iter().for_each(tell);
+                detect_all(&mut keeping.store()?, &bursts, &BurstCameras::default(), &mut on, monitor)?;
+                Ok(DatasetAnswer::Detected)
+            }
+            Self::Match { bursts, keeping, pairs, matching } => {
+                // Features are read when a pair needs them, so that few bursts are in memory.
+                let mut kept = KeptBursts { store: &keeping.store()?, bursts: &bursts, monitor };
+                let pairs = kept.pairs(&pairs)?;
+                let mut on = |matched: MatchedPair<'_>| {
+                    let aligned = matched.aligned(&matching, &monitor.silent())?;
+                    tell(DatasetEvent::Matched { pair: matched.indices, counts: aligned.counts });
+                    Ok(())
+                };
+                let left_out = match_pairs::<JobError>(&pairs, &matching, &mut kept, &mut on, monitor)?;
+                Ok(DatasetAnswer::Matched { left_out })
+            }
+            #[cfg(feature = "colmap")]
+            Self::Colmap { bursts, request } => {
+                let done = colmap::run(&bursts, *request, tell, monitor)?;
+                Ok(DatasetAnswer::Colmap(Box::new(done)))
+            }
+        }
+    }
+}
+
+fn look(
+    source: DatasetSource,
+    folder: Option<PathBuf>,
+    params: SearchParams,
+    open: OpenOptions,
+    monitor: &Monitor,
+) -> Result<OpenDataset, JobError> {
+    monitor.report(Stage::Open, 0.0);
+    let Entries { bursts, strays } = source.entries(&open)?;
+    monitor.check()?;
+    let frames_of_one = if let [one] = &bursts[..] { one.files().ok().map(|files| files.len()) } else { None };
+    let folder = folder.or_else(|| source.default_folder());
+    let (mut finished, mut folder_error, mut other_params) = (vec![None; bursts.len()], None, None);
+    // A folder that cannot be read is reported beside the open dataset, and does not keep it from opening.
+    if let Some(folder) = &folder {
+        match (Keeping { folder: folder.clone(), params: params.clone(), open: open.clone() }).store() {
+            Ok(store) => {
+                for (index, (burst, finished)) in bursts.iter().zip(&mut finished).enumerate() {
+                    monitor.check()?;
+                    monitor.report(Stage::Open, index as f32 / bursts.len() as f32);
+                    *finished = store.finished(burst);
+                }
+                other_params = FeatureStore::params_in(folder).filter(|stored| *stored != params);
+            }
+            Err(error) => folder_error = Some(error.to_string()),
+        }
+    }
+    let bursts = Arc::new(bursts);
+    Ok(OpenDataset {
+        source,
+        bursts,
+        strays,
+        frames_of_one,
+        folder,
+        folder_error,
+        params,
+        open,
+        finished,
+        other_params,
+    })
+}
+
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThumbnailsRequest {
     /// The bursts, in the order in which their pictures are made.
@@ -105,12 +182,8 @@ pub struct ThumbnailsRequest {
     pub open: OpenOptions,
 }
 
-impl Request for ThumbnailsRequest {
-    type Answer = ();
-    type Partial = (BurstFiles, Result<BurstPicture, String>);
-    const URGENCY: Urgency = Urgency::Dataset;
-
-    fn compute(self, work: &Work<'_, Self::Partial>) -> Result<(), JobError> {
+request! {
+    ThumbnailsRequest => (); (BurstFiles, Result<BurstPicture, String>), Dataset: |self, work| {
         for source in self.bursts {
             let silent = work.monitor.silent();
             let picture = thumbnail(&source, self.max_side_px, &self.open, &silent).map_err(|e| e.to_string());

@@ -222,7 +222,11 @@ fn plot_ui(
     let at = |point: &SeriesPoint| drawn.transform.position_from_point(&PlotPoint::new(point.x, point.y));
     let (one, point) = nearest(curves, pos, at)?;
     let clicked = drawn.response.clicked();
-    drawn.response.on_hover_text_at_pointer(point_text(plot, one, point));
+    let value = |y: f64| number(y as f32, 2);
+    let spread = point.spread.map_or_else(String::new, |[low, high]| format!(" ({} to {})", value(low), value(high)));
+    let [x, y] = [value(point.x), value(point.y)];
+    let text = format!("{}\n{}: {x}\n{}: {y}{spread}", one.name, plot.x_label, plot.y_label);
+    drawn.response.on_hover_text_at_pointer(text);
     Some((one.set, StudyPoint { row_value: one.curve.row_value(point), method: one.curve.method }, clicked))
 }
 
@@ -253,10 +257,4 @@ fn nearest(curves: &[Drawn], pos_ui: Pos2, at: impl Fn(&SeriesPoint) -> Pos2) ->
     let near = points.map(|(one, point)| (at(point).distance(pos_ui), one, point));
     let nearest = near.filter(|(distance, ..)| *distance < REACH_UI).min_by(|a, b| a.0.total_cmp(&b.0));
     nearest.map(|(_, one, point)| (one, point))
-}
-
-fn point_text(plot: &StudyPlot, one: &Drawn, point: &SeriesPoint) -> String {
-    let value = |y: f64| number(y as f32, 2);
-    let spread = point.spread.map_or_else(String::new, |[low, high]| format!(" ({} to {})", value(low), value(high)));
-    format!("{}\n{}: {}\n{}: {}{spread}", one.name, plot.x_label, value(point.x), plot.y_label, value(point.y))
 }

@@ -26,7 +26,12 @@ fn curve_colour(ui: &Ui, colour: [u8; 3]) -> Color32 {
 pub fn lab_settings_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let mut lab = model.document.lab.clone();
     section_ui(ui, "Study", |ui| {
-        question_ui(ui, &mut lab);
+        ui.horizontal_wrapped(|ui| {
+            for question in LabQuestion::ALL {
+                let [name, help] = question.words();
+                ui.selectable_value(&mut lab.question, question, name).on_hover_text(help);
+            }
+        });
         ui.add_space(4.0);
         start_ui(ui, model, queue);
     });
@@ -42,15 +47,6 @@ pub fn lab_settings_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let text = "All methods use the detector's parameters of this window. Only the method 'slopes found' finds the slopes \
                 of each burst; the others search the given range, or ±3 px/frame.";
     weak_ui(ui, RichText::new(text).small());
-}
-
-fn question_ui(ui: &mut Ui, lab: &mut Lab) {
-    ui.horizontal_wrapped(|ui| {
-        for question in LabQuestion::ALL {
-            let [name, help] = question.words();
-            ui.selectable_value(&mut lab.question, question, name).on_hover_text(help);
-        }
-    });
 }
 
 fn start_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {

@@ -16,14 +16,6 @@ pub(super) struct Marks {
     pub expected: Option<[Slope; 2]>,
 }
 
-pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
-    if spectrum.grid.is_plane() {
-        plane_ui(ui, spectrum, marks, height);
-    } else {
-        line_ui(ui, spectrum, marks, height);
-    }
-}
-
 /// Colour of the features at a slope: another one where most of them are at the limit.
 pub(in crate::app::panel) fn feature_colour(ui: &Ui, bar: &SlopeBar) -> Color32 {
     if 2 * bar.at_limit > bar.features { style::warning(ui) } else { style::ACCENT }
@@ -47,7 +39,7 @@ pub(in crate::app::panel) fn bar_text(bar: &SlopeBar) -> String {
 }
 
 /// Draws bars: features above the line, evidence below it.
-fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
+pub(super) fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     let bars = on_line(spectrum);
     key_ui(ui, marks);
     let size = vec2(ui.available_width(), (height - 32.0).min(ui.available_height()).clamp(60.0, 300.0));
@@ -147,7 +139,7 @@ fn labels(ui: &Ui, painter: &Painter, bars: &[(i64, &SlopeBar)], middle: impl Fn
 }
 
 /// Draws cells: features on the left, evidence on the right; a frame around the searched slopes.
-fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
+pub(super) fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     let range = |axis: usize| {
         spectrum.bars.iter().map(|bar| bar.at[axis]).fold((i64::MAX, i64::MIN), |(a, b), x| (a.min(x), b.max(x)))
     };

@@ -42,7 +42,8 @@ pub fn slopes_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         ui.allocate_ui_with_layout(vec2(width, height), Layout::top_down(Align::Min), |ui| {
             ui.set_width(width);
             let marks = chart::Marks { here: model.document.cursor().slope, expected: set_up::expected(model) };
-            chart::chart_ui(ui, spectrum, &marks, height);
+            let chart_ui = if spectrum.grid.is_plane() { chart::plane_ui } else { chart::line_ui };
+            chart_ui(ui, spectrum, &marks, height);
         });
         ui.vertical(|ui| advice_list_ui(ui, model, spectrum, queue));
     });

@@ -153,7 +153,7 @@ impl Matches {
 
     pub fn listed(&self, look: &MatchLook, order: Order<MatchColumn>) -> Vec<usize> {
         let mut rows: Vec<MatchRow<'_>> = self.rows().filter(|row| row.is_shown(look)).collect();
-        let (.., value, _) = order.column.record();
+        let (value, _) = order.column.value();
         rows.sort_by(|a, b| {
             let by = value(a).total_cmp(&value(b));
             let by = if order.descending { by.reverse() } else { by };
@@ -200,48 +200,29 @@ impl MatchRow<'_> {
 }
 
 impl MatchColumn {
-    pub const ALL: [Self; 14] = {
-        use MatchColumn::*;
-        [Number, UA, VA, UB, VB, SigmaA, SigmaB, SlopeA, SlopeB, Motion, Distance, Ratio, Error, Inlier]
-    };
-
-    /// Its heading, help, and the value by which it sorts, with its form; rows without a value come last.
-    pub fn record(self) -> (&'static str, &'static str, fn(&MatchRow<'_>) -> f32, Form) {
+    /// The value by which it sorts, with its form; rows without a value come last.
+    fn value(self) -> (fn(&MatchRow<'_>) -> f32, Form) {
         let (px, slope) = (Form::Fixed(2), Form::Signed(2));
         match self {
-            Self::Number => {
-                ("#", "Number, in the order of A's features, from 0, as in files", |row| row.index as f32, Form::Whole)
-            }
-            Self::UA => ("u A", "Column in A at mid-burst; the first pixel's centre is 0", |row| row.a.u, px),
-            Self::VA => ("v A", "Row in A at mid-burst; the first pixel's centre is 0", |row| row.a.v, px),
-            Self::UB => ("u B", "Column in B at mid-burst; the first pixel's centre is 0", |row| row.b.u, px),
-            Self::VB => ("v B", "Row in B at mid-burst; the first pixel's centre is 0", |row| row.b.v, px),
-            Self::SigmaA => ("σ A", "Scale σ in A, pixels", |row| row.a.sigma, px),
-            Self::SigmaB => ("σ B", "Scale σ in B, pixels", |row| row.b.sigma, px),
-            Self::SlopeA => ("Slope A", "Apparent motion in A to the right, px/frame", |row| row.a.slope.u, slope),
-            Self::SlopeB => ("Slope B", "Apparent motion in B to the right, px/frame", |row| row.b.slope.u, slope),
-            Self::Motion => ("Motions", "Difference of the motions in A and B, px/frame", |row| row.motion_apart(), px),
-            Self::Distance => ("Distance", "Distance of the descriptors", |row| row.found.distance, Form::Fixed(1)),
-            Self::Ratio => {
-                ("Ratio", "Distance over that to the second nearest compared", |row| row.found.rank(), Form::Fixed(3))
-            }
-            Self::Error => (
-                "Error",
-                "Distance from the geometry, pixels",
-                |row| row.error_px.unwrap_or(f32::INFINITY),
-                Form::Digits(3),
-            ),
-            Self::Inlier => (
-                "Inlier",
-                "Whether it agrees with the geometry",
-                |row| row.inlier.map_or(2.0, |inlier| f32::from(u8::from(!inlier))),
-                Form::Whole,
-            ),
+            Self::Number => (|row| row.index as f32, Form::Whole),
+            Self::UA => (|row| row.a.u, px),
+            Self::VA => (|row| row.a.v, px),
+            Self::UB => (|row| row.b.u, px),
+            Self::VB => (|row| row.b.v, px),
+            Self::SigmaA => (|row| row.a.sigma, px),
+            Self::SigmaB => (|row| row.b.sigma, px),
+            Self::SlopeA => (|row| row.a.slope.u, slope),
+            Self::SlopeB => (|row| row.b.slope.u, slope),
+            Self::Motion => (|row| row.motion_apart(), px),
+            Self::Distance => (|row| row.found.distance, Form::Fixed(1)),
+            Self::Ratio => (|row| row.found.rank(), Form::Fixed(3)),
+            Self::Error => (|row| row.error_px.unwrap_or(f32::INFINITY), Form::Digits(3)),
+            Self::Inlier => (|row| row.inlier.map_or(2.0, |inlier| f32::from(u8::from(!inlier))), Form::Whole),
         }
     }
 
     pub fn text(self, row: &MatchRow<'_>) -> String {
-        let (.., value, form) = self.record();
+        let (value, form) = self.value();
         let x = value(row);
         match (self, form) {
             (Self::Inlier, _) => row.inlier.map_or("–", |inlier| if inlier { "yes" } else { "no" }).to_owned(),

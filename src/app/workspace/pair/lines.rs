@@ -88,7 +88,10 @@ pub fn lines_ui(ui: &Ui, model: Read<'_>, drawn: &[Drawn], queue: &mut Queue) ->
         let pos = view.output.response.interact_pointer_pos().filter(|_| view.side == Side::A);
         queue.push(match pointed {
             Some(_) => Action::SelectMatch(pointed),
-            None => Action::AskFeature(pos.and_then(|pos| feature_of_a(matches, view, pos))),
+            None => Action::AskFeature(pos.and_then(|pos| {
+                let placed = matches.detection(Side::A).features.iter().map(|f| at_time(f, view.shift));
+                overlay::feature_at(&placed.collect::<Vec<_>>(), None, view.output.ui_from_image, pos)
+            })),
         });
     }
     unmatched_marks_ui(model, &views);
@@ -101,11 +104,6 @@ pub fn lines_ui(ui: &Ui, model: Read<'_>, drawn: &[Drawn], queue: &mut Queue) ->
 pub(in crate::app::workspace) fn painter_over(ui: &Ui, views: &MatchViews<'_>, canvases: &Canvases) -> Painter {
     let rects = canvases.places.iter().flatten().map(|place| views.views[*place].output.response.rect);
     ui.painter_at(rects.fold(egui::Rect::NOTHING, egui::Rect::union))
-}
-
-fn feature_of_a(matches: &Matches, view: &MatchView<'_>, pos: Pos2) -> Option<usize> {
-    let placed: Vec<Feature> = matches.detection(Side::A).features.iter().map(|f| at_time(f, view.shift)).collect();
-    overlay::feature_at(&placed, None, view.output.ui_from_image, pos)
 }
 
 /// `shifts` are positions from mid-burst. The line has the colour of its kind, or of the difference of the motions beside

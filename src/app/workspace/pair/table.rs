@@ -22,7 +22,7 @@ impl SortedColumn for MatchColumn {
             Self::Error => Some("epipolar-line"),
             Self::Inlier => Some("inlier"),
         };
-        let (width, (text, help, ..)) = (if self == Self::Number { 36.0 } else { 47.0 }, self.record());
+        let (width, [text, help]) = (if self == Self::Number { 36.0 } else { 47.0 }, self.words());
         Heading { text, help, term, width, ..Heading::default() }
     }
 }
