@@ -1,7 +1,8 @@
 //! Computation of pictures.
 
 use super::{
-    Caches, JobError, MotionMap, PictureAnswer, PictureKind, PictureRequest, Request, Urgency, ViewKind, Work, locked,
+    Caches, JobError, MotionMap, PictureAnswer, PictureKind, PictureRequest, Preview, Request, Urgency, ViewKind, Work,
+    locked,
 };
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
@@ -9,10 +10,11 @@ use crate::detector::Interpolation;
 use crate::detector::field::NO_FIELD;
 use crate::detector::stack::motion_stack;
 use crate::detector::view::{
-    coarse_stack_view, combined_view, coverage_view, dog_view, field_view, gate_noise_map, in_focus_view, stack_view,
+    combined_view, coverage_view, dog_view, field_view, gate_noise_map, in_focus_view, stack_part_view, stack_view,
 };
 use crate::inspect::place::winning_slopes;
 use crate::monitor::{Cancelled, Monitor};
+use crate::plane::blur::smoothed;
 use crate::plane::{Mask, Plane};
 use std::sync::Arc;
 use std::time::Duration;
@@ -75,16 +77,20 @@ fn plain(request: PictureRequest, work: &Work<'_, PictureAnswer>) -> Result<Pict
         }
     };
     let plane = with_unseen(plane, &request, monitor)?;
-    let octave = request.kind.octave();
-    Ok(PictureAnswer { request, drawn: plane.clone(), plane, motion, octave })
+    Ok(PictureAnswer { request, drawn: plane.clone(), plane, motion, preview: None })
 }
 
-/// Shows the stack on coarse pixels first, where that is asked for.
+/// Shows what is seen of the stack first, where that is asked for.
 fn preview(request: &PictureRequest, work: &Work<'_, PictureAnswer>) -> Result<(), Cancelled> {
-    let (PictureKind::Stack { slope }, Some(octave)) = (request.kind, request.preview_octave) else { return Ok(()) };
-    let (burst, frames) = (&request.burst.burst, request.burst.coarse(octave, work.monitor)?);
-    let plane = Arc::new(coarse_stack_view((burst, frames, octave), &request.params, slope, work.monitor)?);
-    (work.tell)(PictureAnswer { request: request.clone(), drawn: plane.clone(), plane, motion: None, octave });
+    let (PictureKind::Stack { slope }, Some(Preview { octave, region })) = (request.kind, &request.preview) else {
+        return Ok(());
+    };
+    let (burst, frames) = (&request.burst.burst, request.burst.frames_on(*octave));
+    let plane = stack_part_view((burst, &frames), &request.params, slope, (*octave, region), work.monitor)?;
+    let sigma_px = request.smoothing_px / (*octave as f32).exp2();
+    let plane = Arc::new(smoothed(&plane, sigma_px.into(), work.monitor)?);
+    let preview = request.preview.clone();
+    (work.tell)(PictureAnswer { request: request.clone(), drawn: plane.clone(), plane, motion: None, preview });
     Ok(())
 }
 
@@ -124,7 +130,7 @@ impl Request for PictureRequest {
 
     /// With a preview, a superseded picture ends soon after it: the next one is as quick.
     fn grace(&self) -> Duration {
-        Duration::from_millis(if self.preview_octave.is_some() { 60 } else { 250 })
+        Duration::from_millis(if self.preview.is_some() { 60 } else { 250 })
     }
 
     fn compute(self, work: &Work<'_, PictureAnswer>) -> Result<PictureAnswer, JobError> {
