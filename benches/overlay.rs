@@ -1,21 +1,23 @@
-//! Cost of drawing the features over a picture: a whole pass of the window with 25 000 features, against the same pass
-//! with none drawn. What is drawn is tessellated too; the graphics card's part is left out.
+//! Cost of features over a picture: CPU time of a whole pass of the window with 100 000 of them, drawn, selected in turn,
+//! filtered or sorted anew, against the same pass with none drawn. What is drawn is tessellated too; the graphics card's
+//! part and the work in the background are left out.
 
 use burstscope::Monitor;
-use burstscope::app::document::look::FeaturesShown;
 use burstscope::app::document::panes::Panels;
+use burstscope::app::document::{Document, FeaturesShown, Interval};
 use burstscope::app::settings::Settings;
 use burstscope::app::{BurstscopeApp, Startup};
-use burstscope::detector::{DetectorParams, NoiseGate, SlopeGrid};
+use burstscope::detector::{DetectorParams, NoiseGate, Quantity, SlopeGrid};
 use burstscope::requests::BurstSource;
 use burstscope::synth::{Motion, SceneParams, synth_scene};
+use cpu_time::ThreadTime;
 use criterion::{Criterion, criterion_group, criterion_main};
 use egui::{Event, RawInput, Rect, pos2, vec2};
 use std::hint::black_box;
 use std::time::Duration;
 
 /// Fewest features that are drawn.
-const FEATURES: usize = 25_000;
+const FEATURES: usize = 100_000;
 
 /// Input of a pass: the pointer moves over the picture, as in a drag.
 fn input(pass: usize) -> RawInput {
@@ -37,7 +39,7 @@ fn pass(ctx: &egui::Context, app: &mut BurstscopeApp, number: usize) -> usize {
 
 fn overlay(criterion: &mut Criterion) {
     let motion = Motion::OneD;
-    let scene = SceneParams { width: 2000, height: 1500, frames: 6, motion, seed: 7, ..SceneParams::default() };
+    let scene = SceneParams { width: 4000, height: 3000, frames: 5, motion, seed: 7, ..SceneParams::default() };
     let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("valid parameters");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("scene.npy");
@@ -46,7 +48,7 @@ fn overlay(criterion: &mut Criterion) {
     ndarray_npy::write_npy(&path, &frames).expect("a file");
 
     let slopes = SlopeGrid::line(-3.0..=3.0, 7);
-    let gate = NoiseGate::Factor(2.0);
+    let gate = NoiseGate::Factor(1.8);
     let params = DetectorParams { slopes, noise_gate: gate, peak_threshold: 0.0, ..DetectorParams::default() };
     let settings =
         Settings { panels: Panels { welcome: false, ..Panels::default() }, auto_detect: true, ..Settings::default() };
@@ -64,20 +66,34 @@ fn overlay(criterion: &mut Criterion) {
     assert!(count >= FEATURES, "only {count} features to draw");
 
     let mut group = criterion.benchmark_group(format!("a pass with {count} features"));
-    group.sample_size(40);
-    let shown = [("all", FeaturesShown::All), ("this slope", FeaturesShown::ThisSlope), ("none", FeaturesShown::None)];
-    for (name, shown) in shown {
-        app.model.document.look.overlay = shown;
-        for warm_up in 0..5 {
-            pass(&ctx, &mut app, warm_up);
-        }
+    group.sample_size(20);
+    let mut measure = |name: &str, change: &mut dyn FnMut(&mut Document, usize)| {
         group.bench_function(name, |bencher| {
-            bencher.iter(|| {
-                number += 1;
-                black_box(pass(&ctx, &mut app, number))
+            bencher.iter_custom(|times| {
+                let started = ThreadTime::now();
+                for _ in 0..times {
+                    number += 1;
+                    change(&mut app.model.document, number);
+                    black_box(pass(&ctx, &mut app, number));
+                }
+                started.elapsed()
             });
         });
+    };
+    let shown = [("this slope", FeaturesShown::ThisSlope), ("none", FeaturesShown::None), ("all", FeaturesShown::All)];
+    for (name, shown) in shown {
+        measure(name, &mut |document, _| document.look.overlay = shown);
     }
+    measure("all, another selected", &mut |document, number| document.selected = Some(number * 7919 % count));
+    measure("all, filtered anew", &mut |document, number| {
+        let limits = Interval { min: 2.0 + 0.001 * (number % 1000) as f32, max: 1e6 };
+        (document.selected, _) = (None, document.filter.ranges.insert(Quantity::Snr, limits));
+    });
+    measure("all, sorted anew", &mut |document, number| {
+        document.filter = Default::default();
+        (document.order.column, document.order.descending) = (Quantity::Sigma, number.is_multiple_of(2));
+    });
+    measure("all circles", &mut |document, _| document.look.draws_all = true);
     group.finish();
 }
 

@@ -46,7 +46,7 @@ pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
 pub use map::{MotionMap, SlopeColours, line_of};
 pub use open::{BurstId, FolderRequest, OpenBurst, PREVIEW_OCTAVES, ShapeRequest};
 pub(crate) use picture::PictureKey;
-pub use picture::{PictureAnswer, PictureRequest};
+pub use picture::{PictureAnswer, PictureRequest, Preview};
 pub use request::{JobError, JobId, PossibleShape, Request, Running, Urgency, Work, time_left};
 pub use source::BurstSource;
 pub use study::{ComparedPoses, PosesRequest, ReadTrajectory, StudyRequest, TrajectorySource, Which};

@@ -8,7 +8,7 @@ use crate::error::{Error, ErrorKind};
 use crate::inspect::result::{has_truth, truth_of};
 use crate::inspect::words::counted;
 use crate::matching::Camera;
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::synth::{Truth, synth_chart};
 use std::ffi::OsStr;
@@ -32,7 +32,7 @@ pub struct OpenBurst {
     coarse: Arc<[OnceLock<Vec<Plane>>; PREVIEW_OCTAVES.len()]>,
 }
 
-/// Octaves on whose pixels motion stacks are previewed: a finer one would cost nearly the whole picture, and memory.
+/// Octaves on whose pixels motion stacks are previewed, beside that of the frames: a finer one would cost memory.
 pub const PREVIEW_OCTAVES: [i32; 3] = [2, 3, 4];
 
 impl OpenBurst {
@@ -42,16 +42,14 @@ impl OpenBurst {
         Self { id, burst: Arc::new(burst), source, camera: None, planted: None, coarse: Arc::default() }
     }
 
-    /// Frames on the pixels of `octave`, made once; none for an octave without previews.
-    pub(super) fn coarse(&self, octave: i32, monitor: &Monitor) -> Result<&[Plane], Cancelled> {
-        let Some(kept) = PREVIEW_OCTAVES.iter().zip(&*self.coarse).find(|(of, _)| **of == octave) else {
-            return Ok(&[]);
+    /// Frames on the pixels of `octave`: of one with previews made once, else the frames themselves.
+    pub(super) fn frames_on(&self, octave: i32) -> Vec<&Plane> {
+        let Some((_, kept)) = PREVIEW_OCTAVES.iter().zip(&*self.coarse).find(|(of, _)| **of == octave) else {
+            return self.burst.frames.iter().map(|frame| &**frame).collect();
         };
-        if kept.1.get().is_none() {
-            // Another thread may have made them meanwhile: they are the same.
-            let _ = kept.1.set(coarse_frames(&self.burst, octave, monitor)?);
-        }
-        Ok(kept.1.get().map_or(&[], Vec::as_slice))
+        // Not cancelled: while a slope is dragged, no request lasts long enough to make them.
+        let make = || coarse_frames(&self.burst, octave, &Monitor::default()).expect("not cancelled");
+        kept.get_or_init(make).iter().collect()
     }
 
     pub fn truth(&self, monitor: &Monitor) -> Result<Option<Truth>, Error> {

@@ -9,9 +9,10 @@ use crate::baseline::merge_burst;
 use crate::detect::prepare;
 use crate::detector::field::NO_FIELD;
 use crate::detector::params::Stage;
+use crate::detector::scale_space::octave_size;
 use crate::detector::stack::motion_stack;
 use crate::detector::view::{
-    coarse_stack_view, combined_view, coverage_view, dog_view, field_view, gate_noise_map, in_focus_view, stack_view,
+    combined_view, coverage_view, dog_view, field_view, gate_noise_map, in_focus_view, stack_part_view, stack_view,
 };
 use crate::detector::{DetectorParams, Feature, FrameRange, Interpolation, Method, Scale};
 use crate::inspect::place::winning_slopes;
@@ -19,6 +20,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plane::blur::smoothed;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::difference;
+use crate::plane::statistics::Region;
 use crate::plane::{Mask, Plane};
 use image::RgbaImage;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -28,6 +30,15 @@ use std::time::Duration;
 
 /// Least number of pixels of a frame with previews: the whole picture takes longer than a tenth of a second.
 const PREVIEWED_PX: usize = 3_000_000;
+
+/// Part of a picture that a preview shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Preview {
+    /// Octave of its pixels.
+    pub octave: i32,
+    /// Place in the picture, in pixels of the octave.
+    pub region: Region,
+}
 
 impl RangeClass {
     pub fn of(request: &PictureRequest) -> Self {
@@ -43,8 +54,8 @@ pub struct PictureRequest {
     pub params: DetectorParams,
     /// Standard deviation of the Gaussian by which it is smoothed for looking at it, input pixels; 0 for none.
     pub smoothing_px: f32,
-    /// Octave on whose pixels a preview is made first, if it has one; it decides nothing about the picture.
-    pub preview_octave: Option<i32>,
+    /// Preview that is made first; it decides nothing about the picture.
+    pub preview: Option<Preview>,
     minus: Option<Box<PictureRequest>>,
 }
 
@@ -69,7 +80,7 @@ struct KindKey {
 
 impl PictureRequest {
     pub fn new(burst: OpenBurst, kind: PictureKind, params: DetectorParams) -> Self {
-        Self { burst, kind, params, smoothing_px: 0.0, preview_octave: None, minus: None }
+        Self { burst, kind, params, smoothing_px: 0.0, preview: None, minus: None }
     }
 
     /// By a Gaussian of `sigma_px` input pixels; unchanged where the values are no brightnesses or responses.
@@ -92,19 +103,28 @@ impl PictureRequest {
     /// The picture without what is subtracted from it, and without smoothing.
     #[must_use]
     pub fn alone(&self) -> Self {
-        Self { minus: None, smoothing_px: 0.0, preview_octave: None, ..self.clone() }
+        Self { minus: None, smoothing_px: 0.0, preview: None, ..self.clone() }
     }
 
-    /// With a preview at the resolution at which it is seen, if that is cheap: of the sum of large frames without masks.
+    /// With a preview of the part between the corners `seen` (u, v) at the resolution at which it is seen, if that is
+    /// cheap: of the sum of large frames without masks.
     #[must_use]
-    pub fn previewed(self, points_per_pixel: f32) -> Self {
+    pub fn previewed(self, points_per_pixel: f32, seen: [[f32; 2]; 2]) -> Self {
         let octave = ((1.0 / points_per_pixel).log2().ceil() as i32).min(PREVIEW_OCTAVES[2]);
+        let octave = if PREVIEW_OCTAVES.contains(&octave) { octave } else { 0 };
         let is_sum = matches!(self.kind, PictureKind::Stack { .. }) && self.params.method == Method::Buff;
-        let (width, height) = self.burst.burst.size();
-        let is_seen_coarse = width * height >= PREVIEWED_PX && PREVIEW_OCTAVES.contains(&octave);
+        let size = self.burst.burst.size();
+        let range = |axis: usize, count: usize| {
+            let [from, to] = seen.map(|corner| (corner[axis] / (octave as f32).exp2()).max(0.0) as usize);
+            // A pixel at the rim is seen in part.
+            from.min(count)..(to + 2).min(count)
+        };
+        let (columns, rows) = octave_size(size, octave);
+        let region = Region { columns: range(0, columns), rows: range(1, rows) };
+        let is_part = octave > 0 || 2 * region.len() < columns * rows;
         let is_masked = || self.burst.burst.frames.iter().any(|frame| frame.mask().is_some());
-        let is_cheap = is_seen_coarse && is_sum && self.minus.is_none() && !is_masked();
-        Self { preview_octave: is_cheap.then_some(octave), ..self }
+        let is_cheap = size.0 * size.1 >= PREVIEWED_PX && is_part && is_sum && self.minus.is_none() && !is_masked();
+        Self { preview: is_cheap.then_some(Preview { octave, region }), ..self }
     }
 
     pub(crate) fn key(&self) -> PictureKey {
@@ -149,8 +169,8 @@ pub struct PictureAnswer {
     /// Pixels as drawn: `plane`, or smoothed.
     pub drawn: Arc<Plane>,
     pub motion: Option<Arc<MotionMap>>,
-    /// Octave of its pixels: not the request's only of a preview, whose values are not the picture's.
-    pub octave: i32,
+    /// Part that is shown of it, where this is a preview, whose values are not the picture's.
+    pub preview: Option<Preview>,
 }
 
 impl PictureAnswer {
@@ -172,7 +192,7 @@ impl PictureAnswer {
         let (step, step_other) = (self.request.kind.input_px_per_pixel(), other.request.kind.input_px_per_pixel());
         let plane = Arc::new(difference(&self.plane, &other.plane, step / step_other));
         let request = self.request.alone().less(&other.request);
-        Self { request, drawn: plane.clone(), plane, motion: None, octave: self.octave }
+        Self { request, drawn: plane.clone(), plane, motion: None, preview: None }
     }
 
     pub(crate) fn smoothed(self, sigma_px: f32, monitor: &Monitor) -> Result<Self, Cancelled> {
@@ -244,16 +264,20 @@ fn plain(request: PictureRequest, work: &Work<'_, PictureAnswer>) -> Result<Pict
         }
     };
     let plane = with_unseen(plane, &request, monitor)?;
-    let octave = request.kind.octave();
-    Ok(PictureAnswer { request, drawn: plane.clone(), plane, motion, octave })
+    Ok(PictureAnswer { request, drawn: plane.clone(), plane, motion, preview: None })
 }
 
-/// Shows the stack on coarse pixels first, where that is asked for.
+/// Shows what is seen of the stack first, where that is asked for.
 fn preview(request: &PictureRequest, work: &Work<'_, PictureAnswer>) -> Result<(), Cancelled> {
-    let (PictureKind::Stack { slope }, Some(octave)) = (request.kind, request.preview_octave) else { return Ok(()) };
-    let (burst, frames) = (&request.burst.burst, request.burst.coarse(octave, work.monitor)?);
-    let plane = Arc::new(coarse_stack_view((burst, frames, octave), &request.params, slope, work.monitor)?);
-    (work.tell)(PictureAnswer { request: request.clone(), drawn: plane.clone(), plane, motion: None, octave });
+    let (PictureKind::Stack { slope }, Some(Preview { octave, region })) = (request.kind, &request.preview) else {
+        return Ok(());
+    };
+    let (burst, frames) = (&request.burst.burst, request.burst.frames_on(*octave));
+    let plane = stack_part_view((burst, &frames), &request.params, slope, (*octave, region), work.monitor)?;
+    let sigma_px = request.smoothing_px / (*octave as f32).exp2();
+    let plane = Arc::new(smoothed(&plane, sigma_px.into(), work.monitor)?);
+    let preview = request.preview.clone();
+    (work.tell)(PictureAnswer { request: request.clone(), drawn: plane.clone(), plane, motion: None, preview });
     Ok(())
 }
 
@@ -293,7 +317,7 @@ impl Request for PictureRequest {
 
     /// With a preview, a superseded picture ends soon after it: the next one is as quick.
     fn grace(&self) -> Duration {
-        Duration::from_millis(if self.preview_octave.is_some() { 60 } else { 250 })
+        Duration::from_millis(if self.preview.is_some() { 60 } else { 250 })
     }
 
     fn compute(self, work: &Work<'_, PictureAnswer>) -> Result<PictureAnswer, JobError> {

@@ -2,9 +2,12 @@
 
 use crate::datasets::{click_burst, start, walk};
 use crate::support::*;
+use burstscope::app::view::View;
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::engine::{Engine, Wanted};
 use burstscope::plane::Mask;
+use burstscope::plane::statistics::Region;
+use std::ops::Range;
 
 #[test]
 fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
@@ -60,19 +63,19 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
 
 #[test]
 fn a_large_stack_is_previewed_at_the_resolution_at_which_it_is_seen() {
-    let scene = |u: f32, v: f32| 0.5 + 0.2 * (0.021 * u + 0.6).sin() + 0.2 * (0.017 * v - 0.011 * u).cos();
-    let frame = |t: usize| Plane::from_fn(2100, 1500, |u, v| scene(u as f32 - 2.0 * t as f32, v as f32 + t as f32));
-    let burst = |frames: Vec<Plane>| OpenBurst::new(Burst::from_planes("large", frames), BurstSource::Demo);
     let of = |burst: &OpenBurst, slope: Slope| {
         PictureRequest::new(burst.clone(), PictureKind::Stack { slope }, DetectorParams::default())
     };
-    let large = burst((0..3).map(frame).collect());
+    let large = large_burst((0..3).map(large_frame).collect());
     let engine = Engine::new(Arc::new(|| {}), 1 << 28);
-    for (points_per_pixel, octave) in [(0.3, 2), (0.24, 3), (0.01, 4)] {
+    let (all, some) = ([[0.0; 2], [2099.0, 1499.0]], [[900.5, 400.0], [1500.0, 900.0]]);
+    for (points_per_pixel, octave, seen) in
+        [(0.3, 2, all), (0.24, 3, all), (0.01, 4, all), (0.3, 2, some), (0.7, 0, some), (9.0, 0, some)]
+    {
         let (mut wanted, mut told) = (Wanted::default(), Vec::new());
         // Each time another one: what is kept needs no preview.
-        let slope = Slope::new(2.0 + 0.1 * octave as f32, -1.0);
-        wanted.ask(&engine, of(&large, slope).previewed(points_per_pixel));
+        let slope = Slope::new(2.0 + 0.1 * octave as f32 + 0.003 * points_per_pixel + seen[0][0] * 1e-5, -1.0);
+        wanted.ask(&engine, of(&large, slope).previewed(points_per_pixel, seen));
         let whole = loop {
             told.extend(wanted.take_partial());
             if let Some(ended) = wanted.take().pop() {
@@ -82,22 +85,75 @@ fn a_large_stack_is_previewed_at_the_resolution_at_which_it_is_seen() {
         };
         told.extend(wanted.take_partial());
         let [preview] = &told[..] else { panic!("{} previews", told.len()) };
-        assert_eq!((preview.octave, whole.octave, &preview.request), (octave, 0, &whole.request));
-        let step = 1 << octave;
-        let inside = |count: usize| 2..count / step - 2;
-        for (u, v) in inside(1500).flat_map(|v| inside(2100).map(move |u| (u, v))).step_by(31) {
-            let off = (preview.plane.at(u, v) - whole.plane.at(step * u, step * v)).abs();
-            assert!(off < 0.02, "({u}, {v}) at octave {octave}: {off}");
+        assert_eq!((&preview.request, &whole.preview), (&whole.request, &None));
+        let shown = preview.preview.as_ref().expect("a preview");
+        assert_eq!(shown.octave, octave);
+        let (step, Region { columns, rows }) = (1 << octave, &shown.region);
+        assert_eq!(preview.plane.size(), (columns.len(), rows.len()));
+        for (range, at) in [(columns, 0), (rows, 1)] {
+            let [from, to] = seen.map(|corner| corner[at] / step as f32);
+            // An octave ends up to a pixel before the picture.
+            assert!(range.start as f32 <= from && to < range.end as f32 + 1.0, "{range:?} for {from} to {to}");
+        }
+        let inside = |range: &Range<usize>, count: usize| range.start.max(2)..range.end.min(count / step - 2);
+        let (columns_inside, rows_inside) = (inside(columns, 2100), inside(rows, 1500));
+        for (u, v) in rows_inside.flat_map(|v| columns_inside.clone().map(move |u| (u, v))).step_by(31) {
+            let off = preview.plane.at(u - columns.start, v - rows.start) - whole.plane.at(step * u, step * v);
+            // On the pixels of the frames the values are those of the whole.
+            let limit = if octave == 0 { 0.0 } else { 0.02 };
+            assert!(off.abs() <= limit, "({u}, {v}) at octave {octave}: {off}");
         }
     }
-    // Not where it is seen whole, nor where it is quick, nor where it would not show what a mask hides.
+    // Not where nearly all is seen, nor where it is quick, nor where it would not show what a mask hides.
     let slope = Slope::new(1.0, 0.0);
-    assert_eq!(of(&large, slope).previewed(0.7).preview_octave, None);
-    let small = burst(vec![Plane::zeros(400, 300); 3]);
-    assert_eq!(of(&small, slope).previewed(0.3).preview_octave, None);
+    assert_eq!(of(&large, slope).previewed(0.7, all).preview, None);
+    let small = large_burst(vec![Plane::zeros(400, 300); 3]);
+    assert_eq!(of(&small, slope).previewed(0.3, some).preview, None);
     let mask = Mask::new(Plane::from_fn(2100, 1500, |u, _| f32::from(u > 9))).expect("hides some");
-    let masked = burst(vec![frame(0).masked(Some(mask)), frame(1)]);
-    assert_eq!(of(&masked, slope).previewed(0.3).preview_octave, None);
+    let masked = large_burst(vec![large_frame(0).masked(Some(mask)), large_frame(1)]);
+    assert_eq!(of(&masked, slope).previewed(0.3, some).preview, None);
+}
+
+fn large_frame(t: usize) -> Plane {
+    let scene = |u: f32, v: f32| 0.5 + 0.2 * (0.021 * u + 0.6).sin() + 0.2 * (0.017 * v - 0.011 * u).cos();
+    Plane::from_fn(2100, 1500, |u, v| scene(u as f32 - 2.0 * t as f32, v as f32 + t as f32))
+}
+
+fn large_burst(frames: Vec<Plane>) -> OpenBurst {
+    OpenBurst::new(Burst::from_planes("large", frames), BurstSource::Demo)
+}
+
+#[test]
+fn a_preview_is_drawn_and_nothing_is_read_from_it() {
+    let mut window = Start::without_auto_detect().open();
+    let id = window.document().focus();
+    apply::opening::take_burst(&mut window.app_mut().model, large_burst((0..9).map(large_frame).collect()));
+    window.settle();
+    for zoom in [0.3, 2.0] {
+        let view = View::new(Zoom::PointsPerPixel(zoom), [1000.0, 700.0]);
+        window.change(|document| document.panes.get_mut(id).expect("it is there").view = view).settle();
+        let before = window.read().picture().expect("a picture").plane.clone();
+        let canvas = window.app().widgets.get(id).expect("drawn").picture.ui_from_image.expect("drawn");
+        window.hover(canvas.pos(pos2(1000.0, 700.0))).steps(2);
+        assert!(window.app().widgets.get(id).expect("drawn").picture.readout.is_some());
+        let slope = Slope::new(2.0 + 0.1 * zoom, -1.0);
+        window.change(|document| document.panes.get_mut(id).expect("it is there").cursor.slope = slope);
+        window.wait("a preview or the picture", |app| {
+            app.read().drawn_in(id)[1].is_some() || app.read().picture_is_current()
+        });
+        // On a fast machine the whole picture may be there at once.
+        if window.read().drawn_in(id)[1].is_some() {
+            let picture = &window.app().widgets.get(id).expect("drawn").picture;
+            assert!(Arc::ptr_eq(&picture.shown().expect("a picture").plane, &before), "profiles and histograms wait");
+            assert!(picture.preview().is_none() || picture.readout.is_none(), "so does the value under the pointer");
+        }
+        window.settle();
+        assert!(window.read().drawn_in(id)[1].is_none());
+        let burst = &window.results().slots.a.burst.as_ref().unwrap().burst;
+        let params = window.document().params.at_given();
+        let expected = stack_view(burst, &params, slope, &Monitor::default()).unwrap();
+        assert_eq!(*window.read().picture().unwrap().plane, expected);
+    }
 }
 
 #[test]

@@ -122,11 +122,11 @@ impl Feature {
     /// place's; else that of the place, which more of the picture supports.
     pub fn motion(&self) -> (Slope, f32) {
         let (own, of_place) = ((self.slope, self.slope_sigma), (self.field, self.field_sigma));
-        let apart = (self.slope.u - self.field.u).hypot(self.slope.v - self.field.v);
+        let apart = || (self.slope.u - self.field.u).hypot(self.slope.v - self.field.v);
         match self.moves {
             Moves::ByItself | Moves::Unknown => own,
             _ if self.field_sigma.is_infinite() => own,
-            Moves::WithSurroundings if self.slope_sigma < self.field_sigma && apart <= self.field_sigma => own,
+            Moves::WithSurroundings if self.slope_sigma < self.field_sigma && apart() <= self.field_sigma => own,
             Moves::WithSurroundings | Moves::Edge | Moves::Ghost => of_place,
         }
     }

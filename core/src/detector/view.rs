@@ -8,10 +8,11 @@ use super::search::setup::{Inputs, known_noise};
 use crate::burst::{Burst, Positions};
 use crate::detector::scale_space::planes::{SlopeStack, dog_plane, whole};
 use crate::detector::scale_space::{Base, ScaleSpace, octave_size, searched_octaves};
-use crate::detector::stack::{by_rows, coverage, frame_offsets, motion_stack};
+use crate::detector::stack::{by_rows, coverage, frame_offsets, motion_stack, stack_part};
 use crate::error::{Error, Result};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
+use crate::plane::tile::Region;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -29,7 +30,7 @@ pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor:
     motion_stack(&frames, &positions, slope, params.rules.interpolation, monitor)
 }
 
-/// Frames of `burst` on the pixels of `octave` (1 or more), each the mean of a square about it: see [`coarse_stack_view`].
+/// Frames of `burst` on the pixels of `octave` (1 or more), each the mean of a square about it: see [`stack_part_view`].
 pub fn coarse_frames(burst: &Burst, octave: i32, monitor: &Monitor) -> Result<Vec<Plane>, Cancelled> {
     let ((columns, rows), step) = (burst.size(), 1 << octave);
     let window = |at: usize, count: usize| (at * step).saturating_sub(step / 2)..count.min(at * step + step / 2 + 1);
@@ -47,17 +48,19 @@ pub fn coarse_frames(burst: &Burst, octave: i32, monitor: &Monitor) -> Result<Ve
     burst.frames.iter().map(coarse).collect()
 }
 
-/// Motion-stack image at `slope` (px/frame of the input image) on the pixels of `octave`, for looking at it before
-/// [`stack_view`] is there, at 4^−octave of the cost. `frames` are all [`coarse_frames`] of the burst.
-pub fn coarse_stack_view(
-    (burst, frames, octave): (&Burst, &[Plane], i32),
+/// Part `region` of the motion-stack image at `slope` (px/frame of the input image) on the pixels of `octave`, for
+/// looking at it before [`stack_view`] is there. `frames` are all frames of the burst or, from octave 1 on, its
+/// [`coarse_frames`]; at octave 0 the values are those of [`stack_view`].
+pub fn stack_part_view(
+    (burst, frames): (&Burst, &[&Plane]),
     params: &DetectorParams,
     slope: Slope,
+    (octave, region): (i32, &Region),
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
     let (used, pixel) = (params.used_frames(burst.len()), (octave as f32).exp2());
     let (positions, slope) = (burst.positions.part(used.clone()), Slope::new(slope.u / pixel, slope.v / pixel));
-    motion_stack(&frames[used].iter().collect::<Vec<_>>(), &positions, slope, params.rules.interpolation, monitor)
+    stack_part(&frames[used], &positions, slope, params.rules.interpolation, region, monitor)
 }
 
 /// Combination of the shifted frames at any `slope`, as [`stack_view`] shows their mean.

@@ -23,6 +23,8 @@ pub struct Canvas<'a> {
     pub name: &'a str,
     /// Without one the canvas shows `empty_text`.
     pub picture: Option<&'a Picture>,
+    /// Preview of the next picture, drawn over the picture and never read.
+    pub preview: Option<&'a Picture>,
     pub display: Display,
     pub dim: bool,
     /// Value in the file that became 1.0, in whose unit values are drawn into large pixels.
@@ -58,6 +60,7 @@ impl<'a> Canvas<'a> {
         Self {
             name,
             picture: None,
+            preview: None,
             display: Display::default(),
             dim: false,
             full_scale: 1.0,
@@ -146,11 +149,23 @@ impl<'a> Canvas<'a> {
             message(ui, &output.painter, rect, &obstacle);
             return;
         }
-        let dim = ui.ctx().animate_bool(pane.with("dim"), self.dim);
-        let (id, plane, display) = (picture.id, picture.drawn.clone(), self.display.sanitised());
-        let ui_from_picture = picture.ui_from_picture(output.ui_from_image);
-        let paint = PicturePaint { pane, id, plane, ui_from_picture, display, dim, backdrop };
-        output.painter.add(egui_wgpu::Callback::new_paint_callback(rect, paint));
+        let (dim, display) = (ui.ctx().animate_bool(pane.with("dim"), self.dim), self.display.sanitised());
+        let paint = |picture: &Picture, pane: egui::Id| {
+            let (id, plane) = (picture.id, picture.drawn.clone());
+            let ui_from_picture = picture.ui_from_picture(output.ui_from_image);
+            let paint = PicturePaint { pane, id, plane, ui_from_picture, display, dim, backdrop };
+            output.painter.add(egui_wgpu::Callback::new_paint_callback(rect, paint));
+        };
+        let seen = output.visible_image.intersect(picture.rect_image());
+        // Its octave may end a pixel before the picture.
+        let covers =
+            |preview: &Picture| preview.rect_image().expand(preview.image_from_picture_scale).contains_rect(seen);
+        if !self.preview.is_some_and(covers) {
+            paint(picture, pane);
+        }
+        if let Some(preview) = self.preview {
+            return paint(preview, pane.with("preview"));
+        }
         picture.hatch(&output.painter, output.ui_from_image, rect);
         if self.values {
             self.draw_values(picture, output);

@@ -4,7 +4,7 @@ use super::RectTransform;
 use crate::app::gpu::PictureId;
 use crate::plane::Plane;
 use crate::plane::statistics::Region;
-use egui::{Color32, Painter, Pos2, Rect, Stroke, pos2};
+use egui::{Color32, Painter, Pos2, Rect, Stroke, Vec2, pos2, vec2};
 use std::sync::Arc;
 
 /// Distance between two lines of the hatching, points.
@@ -12,7 +12,8 @@ const BETWEEN: f32 = 9.0;
 /// Distance of the places along a line at which the mask is looked up, points.
 const STEP: f32 = 1.5;
 
-/// Pixel (i, j) of the plane is centred at (i·s, j·s) of the input image, where s is `image_from_picture_scale`.
+/// Pixel (i, j) of the plane is centred at ((i + u)·s, (j + v)·s) of the input image, where s is
+/// `image_from_picture_scale`, and (u, v) the `first` pixel.
 #[derive(Debug, Clone)]
 pub struct Picture {
     /// Id of the content: new values need a new id, unchanged values should keep theirs.
@@ -22,6 +23,8 @@ pub struct Picture {
     pub drawn: Arc<Plane>,
     /// 1 for frames and motion-stack images, 2^octave for DoG responses.
     pub image_from_picture_scale: f32,
+    /// (0, 0) but for a part of a picture.
+    pub first: Vec2,
     /// (columns, rows) of the input image, which a fitted view shows whole.
     pub image_size: (usize, usize),
     pub label: String,
@@ -37,37 +40,39 @@ impl Picture {
     pub fn of_octave(plane: Arc<Plane>, octave: i32, image_size: (usize, usize), label: impl Into<String>) -> Self {
         let image_from_picture_scale = 2f32.powi(octave);
         let (drawn, label) = (plane.clone(), label.into());
-        Self { id: PictureId::fresh(), plane, drawn, image_from_picture_scale, image_size, label }
+        Self { id: PictureId::fresh(), plane, drawn, image_from_picture_scale, first: Vec2::ZERO, image_size, label }
     }
 
     pub fn rect_image(&self) -> Rect {
         let s = self.image_from_picture_scale;
         let (width, height) = self.plane.size();
-        Rect::from_min_max(pos2(-0.5 * s, -0.5 * s), pos2((width as f32 - 0.5) * s, (height as f32 - 0.5) * s))
+        Rect::from_min_size(s * (self.first - Vec2::splat(0.5)).to_pos2(), s * vec2(width as f32, height as f32))
     }
 
     pub fn ui_from_picture(&self, ui_from_image: RectTransform) -> RectTransform {
-        ui_from_image.from_scaled(self.image_from_picture_scale)
+        let whole = ui_from_image.from_scaled(self.image_from_picture_scale);
+        RectTransform::new(whole.anchor_from - self.first, whole.anchor_to, whole.scale())
     }
 
     pub fn pixel_at(&self, pos_image: Pos2) -> Option<(usize, usize)> {
-        let index = |x: f32, size: usize| {
-            let i = (x / self.image_from_picture_scale + 0.5).floor();
+        let index = |x: f32, first: f32, size: usize| {
+            let i = (x / self.image_from_picture_scale + 0.5).floor() - first;
             (i >= 0.0 && i < size as f32).then_some(i as usize)
         };
-        Some((index(pos_image.x, self.plane.width())?, index(pos_image.y, self.plane.height())?))
+        let (width, height) = self.plane.size();
+        Some((index(pos_image.x, self.first.x, width)?, index(pos_image.y, self.first.y, height)?))
     }
 
     /// Pixels of the plane that lie at least partly in `rect_image`; may be empty.
     pub fn region(&self, rect_image: Rect) -> Region {
         let s = self.image_from_picture_scale;
-        let range = |low: f32, high: f32| {
-            let start = (low / s + 0.5).floor().max(0.0) as usize;
-            start..((high / s + 0.5).ceil().max(0.0) as usize).max(start)
+        let range = |low: f32, high: f32, first: f32| {
+            let start = ((low / s + 0.5).floor() - first).max(0.0) as usize;
+            start..(((high / s + 0.5).ceil() - first).max(0.0) as usize).max(start)
         };
         let region = Region {
-            columns: range(rect_image.min.x, rect_image.max.x),
-            rows: range(rect_image.min.y, rect_image.max.y),
+            columns: range(rect_image.min.x, rect_image.max.x, self.first.x),
+            rows: range(rect_image.min.y, rect_image.max.y, self.first.y),
         };
         region.within(&self.plane)
     }
@@ -134,6 +139,11 @@ mod tests {
         assert_eq!(octave.pixel_at(pos2(4.0, 8.0)), Some((1, 2)));
         assert_eq!(octave.pixel_at(pos2(5.9, 6.1)), Some((1, 2)));
         assert_eq!(octave.rect_image().min, pos2(-2.0, -2.0));
+        let part = Picture { first: vec2(3.0, 1.0), ..octave };
+        assert_eq!(part.pixel_at(pos2(5.9, 6.1)), None);
+        assert_eq!(part.pixel_at(pos2(17.9, 6.1)), Some((1, 1)));
+        assert_eq!(part.rect_image(), Rect::from_min_max(pos2(10.0, 2.0), pos2(50.0, 22.0)));
+        assert_eq!(part.region(Rect::from_min_max(pos2(0.0, 0.0), pos2(13.0, 11.0))).columns, 0..1);
         let doubled = Picture::of_octave(plane, -1, (5, 3), "DoG");
         assert_eq!(doubled.pixel_at(pos2(0.5, 0.0)), Some((1, 0)));
     }

@@ -4,7 +4,7 @@ use crate::app::view::{KnownOfFeature, number, quantity_value};
 use crate::detector::quantity::Form;
 use crate::detector::{Detection, Feature, Moves, Quantity, Slope, SlopeGrid};
 use crate::inspect::place::{Judged, Verdict};
-use crate::inspect::slopes::is_at_slope;
+use crate::inspect::slopes::{self, is_at_slope};
 use crate::inspect::words::counted;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,9 +54,8 @@ pub fn moves_by(grid: &SlopeGrid, feature: &Feature, slope: Slope, limit: f32) -
 pub fn at_slope(detection: &Detection, slope: Slope) -> [usize; 2] {
     let own = |feature: &Feature| Feature { slope: feature.slope, ..Feature::default() };
     let count = |is_at: &dyn Fn(&Feature) -> bool| detection.features.iter().filter(|feature| is_at(feature)).count();
-    let grid = &detection.slopes;
-    let is_at = |f: &Feature| is_at_slope(grid, f, slope);
-    [count(&is_at), count(&|f| is_at(f) && is_at_slope(grid, &own(f), slope))]
+    let is_at = slopes::at_slope(&detection.slopes, slope);
+    [count(&is_at), count(&|f| is_at(f) && is_at(&own(f)))]
 }
 
 /// Quantities by whose ranges features can be filtered: all with decimals, but the depth, which is not the feature's.

@@ -421,9 +421,9 @@ mod tests {
     fn a_squeezed_pane_is_drawn_with_its_whole_picture() {
         let plane = Arc::new(Plane::from_fn(200, 100, |u, _| u as f32));
         let request = PictureRequest::new(open((200, 100), 3), PictureKind::Frame(0), Default::default());
-        let picture = PictureAnswer { request, drawn: plane.clone(), plane, motion: None, octave: 0 };
+        let picture = PictureAnswer { request, drawn: plane.clone(), plane, motion: None, preview: None };
         let mut state = PictureState::default();
-        state.refresh(Some(&picture));
+        state.refresh([Some(&picture), None]);
         assert_eq!(part_in_view(&state), None, "never drawn");
         for (width, is_drawn) in [(400.0, true), (50.0, true), (5.0, false)] {
             // Two points a pixel.

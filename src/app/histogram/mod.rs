@@ -47,13 +47,20 @@ choices! {
 }
 
 impl RangeOf {
-    /// `None` where the picture shows nothing of them; `visible` is the part that can be seen, image pixels.
-    pub fn range(self, picture: &Picture, visible: Option<Rect>) -> Option<(f32, f32)> {
-        let of = |region: &Region| percentiles(&picture.drawn, region, &PERCENTILES).map(|p| (p[0], p[1]));
+    /// Part of the picture with the values; `None` where it has none. `visible` is the part in sight, image pixels.
+    fn region(self, picture: &Picture, visible: Option<Rect>) -> Option<Region> {
+        let region = match self {
+            Self::All | Self::Percentiles => Region::whole(&picture.drawn),
+            Self::Visible => picture.region(visible?),
+        };
+        let has_value = |v| picture.drawn.row(v)[region.columns.clone()].iter().any(|x| x.is_finite());
+        region.rows.clone().any(has_value).then_some(region)
+    }
+
+    fn range(self, picture: &Picture, region: &Region) -> Option<(f32, f32)> {
         match self {
-            Self::Percentiles => of(&Region::whole(&picture.drawn)),
-            Self::All => full_range(picture),
-            Self::Visible => visible.map(|rect| picture.region(rect)).filter(|r| !r.is_empty()).and_then(|r| of(&r)),
+            Self::All => summary(&picture.drawn, region).range(),
+            _ => percentiles(&picture.drawn, region, &PERCENTILES).map(|ends| (ends[0], ends[1])),
         }
     }
 }
@@ -153,9 +160,12 @@ impl HistogramPanel {
 pub fn ranges_ui(ui: &mut Ui, picture: Option<&Picture>, visible: Option<Rect>, display: &mut Display) -> bool {
     let mut is_set = false;
     for of in RangeOf::ALL {
-        let (range, [label, help]) = (picture.and_then(|picture| of.range(picture, visible)), of.words());
-        let button = ui.add_enabled(range.is_some(), egui::Button::new(label)).on_hover_text(help);
-        if let Some((min, max)) = range.filter(|_| button.clicked()) {
+        let values = picture.and_then(|picture| Some((picture, of.region(picture, visible)?)));
+        let [label, help] = of.words();
+        let button = ui.add_enabled(values.is_some(), egui::Button::new(label)).on_hover_text(help);
+        // Counted only when asked for: percentiles of a large picture take a quarter of a second.
+        let asked = values.filter(|_| button.clicked());
+        if let Some((min, max)) = asked.and_then(|(picture, region)| of.range(picture, &region)) {
             (*display, is_set) = (display.with_range(min, max), true);
         }
     }

@@ -66,6 +66,7 @@ pub(super) fn picture_ui(
     let state = &mut widgets.of(shown).picture;
     let canvas = Canvas {
         picture: state.shown().filter(|_| problem.is_none()),
+        preview: state.preview(),
         empty_text: problem.as_deref().unwrap_or("Computing the picture…"),
         primary_pans: !model.document.workspace.inspects() || model.document.measure.tool == Tool::Pan,
         ..canvas_of(model, shown, &name)
@@ -109,7 +110,8 @@ pub(super) fn over_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, d
     let state = &mut widgets.of(other).picture;
     state.refresh(model.drawn_in(other));
     let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
-    let canvas = Canvas { picture: state.shown(), ..canvas_of(model, other, "Wipe, right side") };
+    let (picture, preview) = (state.shown(), state.preview());
+    let canvas = Canvas { picture, preview, ..canvas_of(model, other, "Wipe, right side") };
     let over = canvas.show_over(ui, &drawn.output, right);
     state.paint_colours(ui, model, other, &over);
     // From here on the marks of the drawn picture end at the line too.

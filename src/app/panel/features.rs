@@ -13,7 +13,7 @@ use crate::app::results::comparison::Row;
 use crate::app::results::{Read, coherence_words, verdict_words};
 use crate::app::view::{KnownOfFeature, depth_text, motion_text};
 use crate::detector::{Detection, Feature, Quantity, Slope};
-use crate::inspect::slopes::is_at_slope;
+use crate::inspect::slopes::{at_slope, is_at_slope};
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
@@ -54,12 +54,11 @@ impl FeatureLayer {
         let dt = model.frames_from_middle(id, &detection);
         let slope = model.slope_in_picture(id).filter(|_| inspected);
         let near = model.document.filter.near_slope.filter(|_| is_listed);
-        let is_at = |feature: &Feature, slope: Slope| match near {
-            Some(limit) => moves_by(&detection.slopes, feature, slope, limit),
-            None => is_at_slope(&detection.slopes, feature, slope),
-        };
-        let elsewhere = slope
-            .map_or_else(Vec::new, |slope| detection.features.iter().map(|feature| !is_at(feature, slope)).collect());
+        let elsewhere = slope.map_or_else(Vec::new, |slope| {
+            let (grid, is_at) = (&detection.slopes, at_slope(&detection.slopes, slope));
+            let moves = |f: &Feature| near.map_or_else(|| is_at(f), |limit| moves_by(grid, f, slope, limit));
+            detection.features.iter().map(|feature| !moves(feature)).collect()
+        });
         let shown = if is_listed { model.listed_flags() } else { vec![true; detection.features.len()] };
         let mut layer = Self {
             in_frame: dt.map(|dt| detection.features.iter().map(|f| at_time(f, dt)).collect()),

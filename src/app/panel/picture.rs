@@ -29,6 +29,7 @@ pub struct PictureState {
     pub visible_image: Option<Rect>,
     pub ui_from_image: Option<canvas::RectTransform>,
     shown: Option<canvas::Picture>,
+    preview: Option<canvas::Picture>,
     colours: Colours,
     scale: Memo<(Itself, ColourBy), overlay::ColourScale>,
     /// Numbers of features drawn in full, and in view, as last drawn; `None` without features.
@@ -38,21 +39,25 @@ pub struct PictureState {
 }
 
 impl PictureState {
-    /// Updates the picture on the canvas. Unchanged pixels keep their id, so that they are uploaded once.
-    pub(in crate::app) fn refresh(&mut self, picture: Option<&PictureAnswer>) {
-        let Some(picture) = picture else {
-            self.shown = None;
-            return;
-        };
-        let same = self.shown.as_ref().is_some_and(|s| Arc::ptr_eq(&s.drawn, &picture.drawn));
-        match (&mut self.shown, same) {
-            (Some(shown), true) => shown.label = describe(picture),
-            _ => self.shown = Some(canvas_picture(picture)),
+    /// Updates the picture on the canvas and the preview over it. Unchanged pixels keep their id, so that they are
+    /// uploaded once.
+    pub(in crate::app) fn refresh(&mut self, pictures: [Option<&PictureAnswer>; 2]) {
+        for (kept, picture) in [&mut self.shown, &mut self.preview].into_iter().zip(pictures) {
+            *kept = picture.map(|picture| match kept.take() {
+                Some(kept) if Arc::ptr_eq(&kept.drawn, &picture.drawn) => {
+                    canvas::Picture { label: describe(picture), ..kept }
+                }
+                _ => canvas_picture(picture),
+            });
         }
     }
 
     pub fn shown(&self) -> Option<&canvas::Picture> {
         self.shown.as_ref()
+    }
+
+    pub fn preview(&self) -> Option<&canvas::Picture> {
+        self.preview.as_ref()
     }
 
     /// Motions have the colours of those of the features; of a field of motion, layers that the filter hides are dark.
@@ -95,10 +100,11 @@ impl PictureState {
         }
     }
 
-    /// Value and its quantity at `pos_image` in the picture of pane `id`; `None` outside it.
+    /// Value and its quantity at `pos_image` in the picture of pane `id`; `None` outside it, and under a preview.
     pub(in crate::app) fn readout_at(&self, model: Read<'_>, id: PaneId, pos_image: egui::Pos2) -> Option<Readout> {
         let picture = model.picture_in(id)?;
-        let shown = self.shown().filter(|shown| Arc::ptr_eq(&shown.plane, &picture.plane))?;
+        let is_seen = |shown: &&canvas::Picture| Arc::ptr_eq(&shown.plane, &picture.plane) && self.preview.is_none();
+        let shown = self.shown().filter(is_seen)?;
         let readout = canvas::readout(shown, pos_image, model.full_scale(id))?;
         let quantity = match RangeClass::of(&picture.request) {
             RangeClass::Frame | RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => {
@@ -133,8 +139,12 @@ impl PictureState {
 
 pub(in crate::app) fn canvas_picture(picture: &PictureAnswer) -> canvas::Picture {
     let (plane, label) = (picture.plane.clone(), describe(picture));
-    let on_canvas = canvas::Picture::of_octave(plane, picture.octave, picture.request.burst.burst.size(), label);
-    canvas::Picture { drawn: picture.drawn.clone(), ..on_canvas }
+    let (octave, first) = picture.preview.as_ref().map_or((picture.request.kind.octave(), [0; 2]), |preview| {
+        (preview.octave, [preview.region.columns.start, preview.region.rows.start])
+    });
+    let on_canvas = canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label);
+    let first = first.map(|at| at as f32).into();
+    canvas::Picture { drawn: picture.drawn.clone(), first, ..on_canvas }
 }
 
 pub fn describe(picture: &PictureAnswer) -> String {

@@ -163,10 +163,11 @@ impl<'a> Read<'a> {
         }
     }
 
-    /// Picture to draw in pane `id`: the last one, or a preview of the next.
-    pub fn drawn_in(self, id: PaneId) -> Option<&'a PictureAnswer> {
+    /// Pictures to draw in pane `id`: the last one, and a preview of the next.
+    pub fn drawn_in(self, id: PaneId) -> [Option<&'a PictureAnswer>; 2] {
         let preview = self.results.pictures.get(&id).and_then(|shown| shown.preview.as_ref());
-        preview.filter(|preview| self.pane(id).is_some_and(|pane| self.fits(pane, preview))).or(self.picture_in(id))
+        let fits = |preview: &&PictureAnswer| self.pane(id).is_some_and(|pane| self.fits(pane, preview));
+        [self.picture_in(id), preview.filter(fits).filter(|_| !self.is_current(id))]
     }
 
     pub fn problem_of(self, id: PaneId) -> Option<String> {
@@ -233,7 +234,12 @@ impl<'a> Read<'a> {
             Content::Cursor | Content::Merge | Content::Map(_) => self.wanted_alone(id)?,
             Content::Slice(_) => return None,
         };
-        Some(request.smoothed(self.document.look.smoothing_px).previewed(self.pane(id)?.view.points_per_pixel()))
+        // A picture that is laid over another is seen there too.
+        let shows = |of: PaneId, pane: &Pane| of == id || pane.over.is_some_and(|over| over.other() == id);
+        let views = self.document.panes.iter().filter(|(of, pane)| shows(*of, pane)).map(|(_, pane)| pane.view);
+        let seen = views.map(|view| view.visible_image()).reduce(egui::Rect::union)?;
+        let (request, view) = (request.smoothed(self.document.look.smoothing_px), self.pane(id)?.view);
+        Some(request.previewed(view.points_per_pixel(), [seen.min.into(), seen.max.into()]))
     }
 
     fn wanted_alone(self, id: PaneId) -> Option<PictureRequest> {

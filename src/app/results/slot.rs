@@ -227,18 +227,18 @@ impl<'a> Read<'a> {
 impl Document {
     /// Indices of the features that pass the filter at `slope`, in the chosen order; `judged` says more of them.
     pub fn listed(&self, features: &[Feature], judged: &[Judged], grid: &SlopeGrid, slope: Slope) -> Vec<usize> {
-        let mut indices: Vec<usize> =
-            (0..features.len()).filter(|&i| self.filter.passes(&features[i], judged.get(i), grid, slope)).collect();
-        indices.sort_by(|&a, &b| {
-            let value = |index: usize| {
-                let known = self.set_up.known(&features[index], judged.get(index));
-                // What is not known is greatest.
-                quantity_value(self.order.column, index, &features[index], known).unwrap_or(f32::INFINITY)
-            };
-            let by = value(a).total_cmp(&value(b));
+        let passes = |&i: &usize| self.filter.passes(&features[i], judged.get(i), grid, slope);
+        let value = |index: usize| {
+            let known = self.set_up.known(&features[index], judged.get(index));
+            // What is not known is greatest.
+            quantity_value(self.order.column, index, &features[index], known).unwrap_or(f32::INFINITY)
+        };
+        let mut listed: Vec<(f32, usize)> = (0..features.len()).filter(passes).map(|i| (value(i), i)).collect();
+        listed.sort_unstable_by(|a, b| {
+            let by = a.0.total_cmp(&b.0);
             let by = if self.order.descending { by.reverse() } else { by };
-            by.then(a.cmp(&b))
+            by.then(a.1.cmp(&b.1))
         });
-        indices
+        listed.into_iter().map(|(_, index)| index).collect()
     }
 }

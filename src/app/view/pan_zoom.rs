@@ -29,6 +29,9 @@ pub struct View {
     fit_points_per_pixel: f32,
     #[serde(skip)]
     region_points_per_pixel: f32,
+    /// Size of the last canvas, points.
+    #[serde(skip)]
+    size_points: Vec2,
 }
 
 /// Equal views show the same part of the picture; the size last drawn is not compared.
@@ -85,6 +88,11 @@ impl View {
         }
     }
 
+    /// Part of the image plane that the last canvas showed, image pixels.
+    pub fn visible_image(&self) -> Rect {
+        Rect::from_center_size(self.centre_image.into(), self.size_points / self.points_per_pixel())
+    }
+
     /// Zooms by `factor` so that the place under `pointer_ui` stays under it. `rect_ui` is the canvas.
     pub fn zoom_at(&mut self, pointer_ui: Pos2, factor: f32, rect_ui: Rect) {
         let before = self.points_per_pixel();
@@ -118,7 +126,7 @@ impl View {
     }
 
     pub fn is_drawn_as(&self, other: &Self) -> bool {
-        let drawn = |view: &Self| (view.fit_points_per_pixel, view.region_points_per_pixel);
+        let drawn = |view: &Self| (view.fit_points_per_pixel, view.region_points_per_pixel, view.size_points);
         self == other && drawn(self) == drawn(other)
     }
 
@@ -136,8 +144,8 @@ impl View {
             return;
         }
         self.follow(before, &after);
-        (self.fit_points_per_pixel, self.region_points_per_pixel) =
-            (after.fit_points_per_pixel, after.region_points_per_pixel);
+        (self.fit_points_per_pixel, self.region_points_per_pixel, self.size_points) =
+            (after.fit_points_per_pixel, after.region_points_per_pixel, after.size_points);
     }
 
     /// The distance between the two places stays, until both are fitted.
@@ -159,6 +167,7 @@ impl View {
     pub fn settle(&mut self, rect_ui: Rect, image_size: (usize, usize), pixels_per_point: f32) -> RectTransform {
         let (width, height) = (image_size.0.max(1) as f32, image_size.1.max(1) as f32);
         let room = (rect_ui.size() - Vec2::splat(2.0 * FIT_MARGIN_POINTS)).max(Vec2::splat(1.0));
+        self.size_points = rect_ui.size();
         self.fit_points_per_pixel = (room.x / width).min(room.y / height).min(MAX_POINTS_PER_PIXEL);
         let last = pos2(width - 1.0, height - 1.0);
         // Values from a session file may be anything.

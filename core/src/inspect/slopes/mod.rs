@@ -139,15 +139,22 @@ fn rounded(x: f32) -> i64 {
 /// [motion](Feature::motion) is within half a step on each axis, as for [`features_at_slopes`]. Motions beyond the grid
 /// are at its rim; none are at a slope beside a line of slopes by more than half a step (0.1 px/frame for one slope).
 pub fn is_at_slope(grid: &SlopeGrid, feature: &Feature, slope: Slope) -> bool {
+    at_slope(grid, slope)(feature)
+}
+
+/// Test of many features by [`is_at_slope`], for which what depends on the slope alone is computed once.
+pub fn at_slope(grid: &SlopeGrid, slope: Slope) -> impl Fn(&Feature) -> bool + use<> {
     let rim = |x: f32, count: usize| x.clamp(0.0, count.max(1) as f32 - 1.0);
-    let ((i, j), (at_i, at_j)) = (grid.position(feature.motion().0), grid.position(slope));
+    let (grid, (at_i, at_j)) = (*grid, grid.position(slope));
     let on_grid = grid.at(at_i, at_j);
     // Slopes of the grid are at whole numbers but for rounding, by which a place half-way would be at two.
     let [at_i, at_j] = [at_i, at_j].map(|at| if (at - at.round()).abs() < 1e-3 { at.round() } else { at });
     let beside = (slope.u - on_grid.u).hypot(slope.v - on_grid.v);
-    beside <= 0.5 * grid.u.step().max(grid.v.step()).max(0.2)
-        && rounded(rim(i, grid.u.count) - at_i) == 0
-        && rounded(rim(j, grid.v.count) - at_j) == 0
+    let is_on_grid = beside <= 0.5 * grid.u.step().max(grid.v.step()).max(0.2);
+    move |feature| {
+        let (i, j) = grid.position(feature.motion().0);
+        is_on_grid && rounded(rim(i, grid.u.count) - at_i) == 0 && rounded(rim(j, grid.v.count) - at_j) == 0
+    }
 }
 
 /// For each slope of the search, in its order, the number of features whose [motion](Feature::motion) is nearest to it.
