@@ -67,6 +67,7 @@ pub fn examine(
     let bit = bit_of(frames, quantisation_step);
     let flattened = Flattened::find(&planes(frames), quantisation_step).filter(|_| bit.is_none());
     (squares.are_flattened, squares.are_bits) = (flattened.is_some(), bit.is_some());
+    squares.least_scene = quantisation_step.powi(2);
     let survey = FrameSurvey::new(&squares);
     let kept = survey.kept();
     if squares.places.is_empty() || kept.len() < 2 {

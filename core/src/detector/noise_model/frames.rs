@@ -404,7 +404,9 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     let shares = of_pairs.iter().zip(&of_frames).map(|(pair, own)| pair / own).filter(|share| share.is_finite());
     let shares: Vec<f32> = shares.collect();
     let are_alike = shares.len() >= MIN_BRIGHT && spread(shares) < 1.15 + EVEN_SHARES * shared(&order);
-    let all = are_alike || spread(of_frames.clone()) < EVEN;
+    // Of a file that is mostly flat, squares that together hold less than a step hold no scene.
+    let are_faint = || of_frames.iter().sum::<f32>() < squares.least_scene * of_frames.len() as f32;
+    let all = are_alike || spread(of_frames.clone()) < EVEN || (squares.are_flattened && are_faint());
     let flat = if all { &order[..] } else { &order[..order.len().div_ceil(3)] };
     let is_even = all || spread(flat.iter().map(|&i| of_frames[i]).collect()) < EVEN;
     // It is no number without noise or neighbours.

@@ -35,6 +35,8 @@ pub struct HighPass {
     pub brightness: Vec<Vec<f32>>,
     /// Whether quiet squares are no evidence of low noise, because a codec flattened them.
     pub are_flattened: bool,
+    /// Least variance of a scene that a file shows whose codec flattened it: that of its smallest step.
+    pub least_scene: f32,
     /// Whether each pixel is 0 or one value: squares in the dark hold few photons, and quiet ones none.
     pub are_bits: bool,
 }
@@ -67,7 +69,7 @@ impl HighPass {
         let (values, brightness) = frames.par_iter().map(of_frame).unzip();
         let middle = |at: usize| at as f32 + PATCH as f32 - 0.5;
         let places = corners.iter().map(|&(u, v)| (middle(u), middle(v))).collect();
-        Self { places, values, brightness, corners, are_flattened: false, are_bits: false }
+        Self { places, values, brightness, corners, are_flattened: false, least_scene: 0.0, are_bits: false }
     }
 
     pub fn only(&self, frames: &[usize]) -> Self {
