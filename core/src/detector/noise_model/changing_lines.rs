@@ -46,11 +46,16 @@ pub(super) const SHARP: [f32; 2] = [0.75, 0.4];
 const SHARED: [f32; 2] = [0.25, 4.0];
 /// Error of the noise that is expected between bands, relative to it.
 const NOISE_ERROR: f32 = 0.025;
-/// Maximum amplitude of the smooth and of the sharp part of wide lines, relative to the brightness.
-const MAX_WIDE: [f32; 2] = [0.05, 0.2];
+/// Maximum amplitude of wide lines, relative to the brightness: rows of lamps and windows are stronger.
+const MAX_WIDE: f32 = 0.05;
 /// Inverse of the share of white offsets' power that two linear interpolations may leave.
 const INTERPOLATED: f32 = 2.0;
 const MAX_TRIED: f32 = 200.0;
+/// Number of frames whose lines are compared along themselves.
+const FRAMES_ALONG: usize = 3;
+/// Growth of a line's variance with its squared offset above which things stand in a row, and standard errors beyond it.
+const THINGS: f32 = 0.2;
+const SURE_OF_THINGS: f32 = 3.0;
 /// Number of lines to each side in the mean that parts smooth and sharp offsets of wide lines.
 const SMOOTHED: usize = 4;
 /// Share of the noise of a band's mean in its smooth and in its sharp part.
@@ -63,7 +68,7 @@ impl ChangingLines {
         [Extent::Sharp, Extent::Wide].into_iter().find_map(|extent| {
             let of_frames: Vec<[Lines; 2]> = frames.iter().map(|frame| parts(frame, extent)).collect();
             let shared = [0, 1].map(|part| Shared::of(of_frames.iter().map(|parts| &parts[part])));
-            let is_weak = |i: usize| shared[i].common.sqrt() <= MAX_WIDE[i] * brightness.abs();
+            let is_weak = |i: usize| shared[i].common.sqrt() <= MAX_WIDE * brightness.abs();
             let tells = |i: usize| {
                 let Shared { common, error, between, next } = shared[i];
                 let is_told_apart = match (extent, i) {
@@ -102,6 +107,35 @@ impl ChangingLines {
         }
         let [smooth, sharp] = parts(frame, self.extent);
         median(if self.parts[0] { smooth } else { sharp }.into_iter())
+    }
+
+    /// Whether lines with offsets vary more along themselves than the others, as rows of lamps do, whose means are alike.
+    pub(super) fn are_rows_of_things(&self, frames: &[&Plane], axis: usize) -> bool {
+        // By line: the square of its offset, and the variance of its pixels.
+        let mut lines: Vec<(f32, f32)> = Vec::new();
+        for frame in frames.iter().step_by(frames.len().div_ceil(FRAMES_ALONG)) {
+            let offsets = self.offsets(&lines_of(frame)[axis]);
+            let mut sums = vec![[0.0f32; 2]; offsets.len()];
+            for v in 0..frame.height() {
+                for (u, x) in frame.row(v).iter().enumerate() {
+                    let [sum, squares] = &mut sums[[u, v][axis]];
+                    (*sum, *squares) = (*sum + x, *squares + x * x);
+                }
+            }
+            let length = [frame.height(), frame.width()][axis] as f32;
+            let variance = |[sum, squares]: [f32; 2]| squares / length - (sum / length).powi(2);
+            lines.extend(offsets.iter().zip(sums).map(|(offset, sums)| (offset * offset, variance(sums))));
+        }
+        let n = lines.len() as f32;
+        let mean = |of: fn(&(f32, f32)) -> f32| lines.iter().map(of).sum::<f32>() / n;
+        let (square, variance) = (mean(|line| line.0), mean(|line| line.1));
+        let along = lines.iter().map(|line| (line.0 - square) * (line.1 - variance)).sum::<f32>();
+        let (spread, rest) = lines.iter().fold((0.0, 0.0), |(spread, rest), line| {
+            (spread + (line.0 - square).powi(2), rest + (line.1 - variance).powi(2))
+        });
+        // Things that fill a part f of a line add (1 − f)/f of its squared offset to the variance.
+        let error = (rest / n / spread).sqrt();
+        along / spread > THINGS + SURE_OF_THINGS * error
     }
 
     pub(super) fn remove_from(&self, frame: &mut Plane, axis: usize) {

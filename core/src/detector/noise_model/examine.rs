@@ -8,7 +8,7 @@ use super::contrast::{SceneMotion, looked_at, looked_at_views};
 use super::fixed_pattern::{FixedPattern, are_struck, mask_struck};
 use super::frames::FrameSurvey;
 use super::high_pass::{FREE_VALUES, HighPass, Lattice, SQUARE_PIXELS, median};
-use super::reading::{BoxPyramid, Reading};
+use super::reading::{BoxPyramid, Lines, Reading};
 use super::spectrum::{Sources, measure};
 use super::variance::{ExcessMap, PhotonTransfer, Square, differ_by_place};
 use super::warning::{cut_off, of_frames, of_pattern, of_places, of_spectrum};
@@ -222,8 +222,12 @@ fn read(
     let brightness = read.columns.iter().flatten().flatten().sum::<f32>()
         / read.columns.iter().flatten().map(Vec::len).sum::<usize>() as f32;
     let along = |axis: fn(&Slope) -> f32| slopes.iter().map(axis).collect::<Vec<f32>>();
-    pattern.changing_columns = ChangingLines::find(&read.columns, brightness, &along(|slope| slope.u));
-    pattern.changing_rows = ChangingLines::find(&read.rows, brightness, &along(|slope| slope.v));
+    let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
+    let found = |lines: &[Lines], axis: usize, slopes: &[f32]| {
+        ChangingLines::find(lines, brightness, slopes).filter(|lines| !lines.are_rows_of_things(&planes, axis))
+    };
+    pattern.changing_columns = found(&read.columns, 0, &along(|slope| slope.u));
+    pattern.changing_rows = found(&read.rows, 1, &along(|slope| slope.v));
     // `remove_from` measures the lines of each frame again, so the second axis sees the first one removed.
     for (axis, lines) in [pattern.changing_columns, pattern.changing_rows].into_iter().enumerate() {
         if let Some(lines) = lines {
