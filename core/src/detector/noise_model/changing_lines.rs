@@ -40,7 +40,7 @@ pub enum Extent {
 const SURE: f32 = 6.0;
 /// Correlation with the next two lines up to which lines are sharp. Interpolation shares up to a half with the next, a
 /// camera that smooths over three pixels two thirds; a scene shares more with the one after.
-pub(super) const SHARP: [f32; 2] = [0.75, 0.4];
+const SHARP: [f32; 2] = [0.75, 0.4];
 /// Minimum ratio of the power that the bands share to the variance between them, and, for wide lines, to as much of it
 /// as is not noise.
 const SHARED: [f32; 2] = [0.25, 4.0];

@@ -5,7 +5,7 @@
 //! of the frames at slope 0, and must be in both halves of the burst. On a tripod the two cannot be separated, and
 //! nothing is changed. Without this `column-stripes` has 597 false features a megapixel, `hot-pixels` 47, not 6.
 
-use super::changing_lines::{ChangingLines, SHARP, median as median_of_bands};
+use super::changing_lines::{ChangingLines, median as median_of_bands};
 use super::contrast::Contrast;
 use super::high_pass::{FREE_VALUES, HighPass, around, quiet_variance};
 use super::reading::{BoxPyramid, Lines, REACH, Reading, less_local_mean};
@@ -319,7 +319,7 @@ fn shared([first, second]: [Vec<f32>; 2]) -> Option<(Vec<f32>, f32)> {
     let common = product(0);
     let error = (power(&first) * power(&second) / n).sqrt();
     // A scene is correlated from line to line, offsets of a sensor hardly.
-    let are_sharp = common > STRIPES * error && (1..3).all(|by| product(by) <= SHARP[by - 1] * common);
+    let are_sharp = common > STRIPES * error && (1..3).all(|by| product(by) <= 0.4 * common);
     are_sharp.then(|| (first.iter().zip(&second).map(|(a, b)| 0.5 * (a + b)).collect(), common))
 }
 

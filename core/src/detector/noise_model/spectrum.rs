@@ -39,7 +39,7 @@ impl LevelNoise {
 
 /// Spread of tiles, relative to that of noise, above which some hold moving structures.
 const NOISE_SPREAD: f32 = 2.5;
-/// Spread of the first level's tiles up to which they are alike: moving structures differ more from place to place.
+/// Spread of the first level's tiles up to which what all have more than twice of is noise: structures differ more.
 const EVEN: f32 = 0.4;
 /// Variance relative to white noise below which it is only rounding.
 const MIN_OVER_WHITE: f32 = 0.02;
@@ -107,11 +107,12 @@ fn noise_at(tiles: &[TileMoments], level: usize, space: &ScaleSpace, before: Opt
     let middle = quantile(&ordered, 0.5);
     let of_noise = ((2.0 + of_pair.clamp(0.0, MAX_KURTOSIS)) / free).sqrt();
     let total_error = of_noise / (variances.len() as f32).sqrt();
-    let even = if before.is_none() { EVEN } else { 0.0 };
-    if spread(&ordered) > even.max(NOISE_SPREAD * of_noise) {
+    let quiet = quiet_variance(variances.clone(), free);
+    let is_even = before.is_none() && spread(&ordered) <= EVEN && quiet > 2.0;
+    if !is_even && spread(&ordered) > NOISE_SPREAD * of_noise {
         let expected = before.map_or(1.0, |noise| noise.over_white);
         // Tiles also differ by their brightness: the quiet ones do not lower the estimate below the median of all.
-        let quiet = quiet_variance(variances, free).max(middle.min(expected));
+        let quiet = quiet.max(middle.min(expected));
         let over_white = quiet.min(expected.max(1.0));
         return Some(LevelNoise { over_white, excess_kurtosis: 0.0 });
     }
