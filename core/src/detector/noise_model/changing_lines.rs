@@ -41,8 +41,7 @@ const SURE: f32 = 6.0;
 /// Correlation with the next two lines up to which lines are sharp. Interpolation shares up to a half with the next, a
 /// camera that smooths over three pixels two thirds; a scene shares more with the one after.
 const SHARP: [f32; 2] = [0.75, 0.4];
-/// Minimum ratio of the power that the bands share to the variance between them, and, for wide lines, to as much of it
-/// as is not noise.
+/// Minimum ratio of the power that bands share to the variance between them; for wide lines to what is no noise of it.
 const SHARED: [f32; 2] = [0.25, 4.0];
 /// Error of the noise that is expected between bands, relative to it.
 const NOISE_ERROR: f32 = 0.025;
