@@ -173,7 +173,7 @@ impl ChartsArgs {
     }
 }
 
-/// What is compared on charts.
+/// Methods to compare on charts, and how they are ranked.
 #[derive(Debug, Clone, Args)]
 pub struct ComparedArgs {
     /// Methods, separated by commas: sift-frame (SIFT on the middle frame), sift-mean (SIFT on the plain mean of all

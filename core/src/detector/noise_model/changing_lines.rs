@@ -3,7 +3,7 @@
 //! Unlike a scene, a line has the same offset from one end of the image to the other. Offsets are measured in eight
 //! bands across the lines: the power that even and odd bands share is compared with the variance between bands. Sharp
 //! lines have little in common with the next one, since no lens makes structure so sharp; wide ones are weak, and bands
-//! differ by little more than their noise. Without this `drifting-stripes-0.3` has 13 590 false features a megapixel, not 6.
+//! differ by little more than noise. Without this `drifting-stripes-0.3` has 13 590 false features a megapixel, not 6.
 
 use super::reading::{Lines, less_local_mean, lines_of};
 use crate::plane::Plane;
@@ -52,8 +52,8 @@ const INTERPOLATED: f32 = 2.0;
 const MAX_TRIED: f32 = 200.0;
 /// Number of frames whose lines are compared along themselves.
 const FRAMES_ALONG: usize = 3;
-/// Growth of a line's variance with its squared offset above which things stand in a row, and standard errors beyond it.
-const THINGS: f32 = 0.2;
+/// Growth of the variance of lines with their squared offset above which things stand in a row, with standard errors.
+const THINGS: f32 = 0.45;
 const SURE_OF_THINGS: f32 = 3.0;
 /// Number of lines to each side in the mean that parts smooth and sharp offsets of wide lines.
 const SMOOTHED: usize = 4;
@@ -108,7 +108,7 @@ impl ChangingLines {
         median(if self.parts[0] { smooth } else { sharp }.into_iter())
     }
 
-    /// Whether lines with offsets vary more along themselves than the others, as rows of lamps do, whose means are alike.
+    /// Whether lines with offsets vary more along themselves than the others, as rows of lamps do.
     pub(super) fn are_rows_of_things(&self, frames: &[&Plane], axis: usize) -> bool {
         // By line: the square of its offset, and the variance of its pixels.
         let mut lines: Vec<(f32, f32)> = Vec::new();
@@ -132,7 +132,7 @@ impl ChangingLines {
         let (spread, rest) = lines.iter().fold((0.0, 0.0), |(spread, rest), line| {
             (spread + (line.0 - square).powi(2), rest + (line.1 - variance).powi(2))
         });
-        // Things that fill a part f of a line add (1 − f)/f of its squared offset to the variance.
+        // Things that fill a part f of a line add (1 − f)/f of its squared offset; one that grows from 0 adds a third.
         let error = (rest / n / spread).sqrt();
         along / spread > THINGS + SURE_OF_THINGS * error
     }

@@ -35,7 +35,7 @@ pub struct HighPass {
     pub brightness: Vec<Vec<f32>>,
     /// Whether quiet squares are no evidence of low noise, because a codec flattened them.
     pub are_flattened: bool,
-    /// Least variance of a scene that a file shows whose codec flattened it: that of its smallest step.
+    /// Square of the smallest step of the files: less variance in a flattened file is no scene.
     pub least_scene: f32,
     /// Whether each pixel is 0 or one value: squares in the dark hold few photons, and quiet ones none.
     pub are_bits: bool,
