@@ -139,16 +139,9 @@ impl Offscreen {
         let mut renderer = renderer.write();
         let mut commands = renderer.update_buffers(device, queue, &mut encoder, &primitives, &screen);
         let [width, height] = self.size_px;
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("burstscope offscreen"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: *target_format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let texture = device.create_texture(&gpu::flat_texture("burstscope offscreen", size, *target_format, usage));
         let view = texture.create_view(&Default::default());
         {
             let mut pass = encoder

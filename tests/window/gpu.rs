@@ -163,7 +163,7 @@ fn pictures_beyond_one_texture_are_tiled_without_a_seam() {
     let limits = DeviceLimits { max_side: 128, max_layers: 64 };
     {
         let state = &window.render_state;
-        let small = PictureRenderer::new(&state.device, &state.queue, state.target_format, limits, Default::default());
+        let small = PictureRenderer::new(state, limits, Default::default());
         state.renderer.write().callback_resources.insert(small);
     }
     let plane = Plane::from_fn(400, 300, |u, v| ((u * 3 + v * 2) % 256) as f32 / 255.0);

@@ -1,15 +1,11 @@
 //! Figures of the shown panes, with filter, faint features, colours and visible part of the image: the dialog that
 //! chooses the content, and the content of the panes as panels, with the match lines between them. And films of them.
 
-mod film;
-
-pub use film::film_ui;
-
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::overlay::{ColourBy, ColourScale, MatchLine, Pane, UNKNOWN, drawn_lines};
 use crate::app::canvas::{self, RectTransform, number};
 use crate::app::document::export::{ONE_COLUMN_MM, TWO_COLUMNS_MM};
-use crate::app::document::{Action, FigureChoice, MethodId, Pointed, RangeClass, Side};
+use crate::app::document::{Action, FigureChoice, FilmChoice, FilmContent, MethodId, Pointed, RangeClass, Side};
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::memo::{Itself, kept};
 use crate::app::pane::PaneId;
@@ -19,14 +15,16 @@ use crate::app::panel::widgets::{close_ui, error_ui, modal_ui};
 use crate::app::results::{MatchRow, Matches, Read};
 use crate::app::workspace::pair::lines::line_of;
 use crate::detector::{Feature, Quantity};
+use crate::export::film::{FILM_RATES, estimated_film_bytes};
 use crate::export::{
     ColourBar, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
     LegendEntry, MatchKind, motion_over,
 };
 use crate::inspect::words::counted;
-use crate::plane::display::Display;
+use crate::plane::display::{Display, to_rgba8};
 use crate::requests::{FigurePicture, FigureRequest, PictureAnswer, slope_legend, titled};
-use egui::{Align, ColorImage, Context, DragValue, Image, Layout, TextureOptions, Ui, Vec2, vec2};
+use egui::{Align, ColorImage, Context, DragValue, Grid, Image, Layout, TextureOptions, Ui, Vec2, vec2};
+use image::imageops::{FilterType, resize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -407,6 +405,66 @@ fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, label: egui::Id) {
     if let FigureAmount::Strongest(number) | FigureAmount::OneOf(number) = amount {
         ui.add(DragValue::new(number).range(1..=1_000_000)).labelled_by(label);
     }
+}
+
+/// Longest side, pixels, of the picture in which the bytes of a pixel are measured.
+const MEASURED_PX: u32 = 320;
+
+pub fn film_ui(ctx: &egui::Context, is_open: &mut bool, model: Read<'_>, queue: &mut Queue) {
+    modal_ui(ctx, is_open, ("film", 380.0, "Film"), |ui| {
+        ui.weak("Each picture with its features, numbers, colours, and the response over all of them");
+        ui.add_space(6.0);
+        let mut film = model.document.film;
+        choice_ui(ui, &mut film);
+        queue.edit(model.document, Action::SetFilm(film));
+        ui.add_space(4.0);
+        let picture = model.picture().map(|picture| Itself::from(&picture.plane));
+        let found = model.found_of(model.active_side()).map(|found| Itself::from(&found.detection));
+        ui.label(kept(ctx, "words of a film", (model.document.film, picture, found), || tell(model)));
+        ui.weak("GIF has 256 colours; MP4 is made by the ffmpeg in PATH; PNG is a file for each picture");
+        export_row_ui(ui, ActionId::ExportFilmGif, queue, |_| {});
+    });
+}
+
+fn tell(model: Read<'_>) -> String {
+    let Some(film) = model.film_to_export() else {
+        return "There is nothing to film: open a burst".to_owned();
+    };
+    let (count, (width, height)) = (film.steps().len(), film.size());
+    let rate = model.document.film.rate;
+    let bytes = bytes_per_pixel(model) * count as f64 * f64::from(width * height);
+    format!(
+        "{} of {width} × {height}, {rate} a second: {:.1} s; about {:.1} MB as GIF",
+        counted(count, "picture"),
+        count as f64 / f64::from(rate),
+        1e-6 * bytes
+    )
+}
+
+fn bytes_per_pixel(model: Read<'_>) -> f64 {
+    let Some(picture) = model.picture() else { return 0.5 };
+    let rgba = to_rgba8(&picture.plane, &model.display_of(model.document.focus()));
+    let (width, height) = rgba.dimensions();
+    let shrink = width.max(height).div_ceil(MEASURED_PX).max(1);
+    let small = resize(&rgba, (width / shrink).max(1), (height / shrink).max(1), FilterType::Nearest);
+    let bytes = estimated_film_bytes("a.gif".as_ref(), [&small, &small], 1).unwrap_or_default();
+    bytes as f64 / f64::from(small.width() * small.height())
+}
+
+fn choice_ui(ui: &mut Ui, choice: &mut FilmChoice) {
+    for content in FilmContent::ALL {
+        let [label, help] = content.words();
+        ui.radio_value(&mut choice.content, content, label).on_hover_text(help);
+    }
+    Grid::new("film numbers").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
+        let name = ui.label("Rate");
+        ui.add(DragValue::new(&mut choice.rate).range(FILM_RATES).suffix(" a second")).labelled_by(name.id);
+        ui.end_row();
+        let name = ui.label("Longest side");
+        let side = DragValue::new(&mut choice.max_side_px).range(64..=8192).suffix(" px");
+        ui.add(side).on_hover_text("Larger pictures are made smaller by a whole number").labelled_by(name.id);
+        ui.end_row();
+    });
 }
 
 #[cfg(test)]

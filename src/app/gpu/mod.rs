@@ -11,6 +11,7 @@ mod texture;
 pub use renderer::{PicturePaint, PictureRenderer};
 pub use setup::{AdapterChoice, Gpu, install, textures_of, wgpu_setup};
 pub use texture::DeviceLimits;
+pub(in crate::app) use texture::flat_texture;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -1,6 +1,6 @@
 //! Contents of the card between frames (pipeline, colour maps, pictures, bind groups), and the paint callback.
 
-use super::texture::{Layout, PictureTexture, wait_for_card};
+use super::texture::{Layout, PictureTexture, flat_texture, wait_for_card};
 use super::{DeviceLimits, PictureId};
 use crate::app::canvas::RectTransform;
 use crate::plane::Plane;
@@ -49,19 +49,14 @@ pub struct PictureRenderer {
 
 impl PictureRenderer {
     /// Failed uploads are noted in `failures`, and are not tried again.
-    pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        target: wgpu::TextureFormat,
-        limits: DeviceLimits,
-        failures: Failures,
-    ) -> Self {
+    pub fn new(state: &egui_wgpu::RenderState, limits: DeviceLimits, failures: Failures) -> Self {
+        let is_software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         Self {
-            pipeline: pipeline(device, target),
-            lut: lut_texture(device, queue),
+            pipeline: pipeline(&state.device, state.target_format),
+            lut: lut_texture(&state.device, &state.queue),
             limits,
-            budget_bytes: BUDGET_BYTES,
-            target_is_srgb: target.is_srgb(),
+            budget_bytes: if is_software { SOFTWARE_BUDGET_BYTES } else { BUDGET_BYTES },
+            target_is_srgb: state.target_format.is_srgb(),
             pictures: HashMap::new(),
             panes: HashMap::new(),
             failures,
@@ -72,35 +67,27 @@ impl PictureRenderer {
         }
     }
 
-    /// Keeps fewer pictures where no card draws.
-    pub(super) fn with_budget_of(self, adapter: &wgpu::Adapter) -> Self {
-        let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        Self { budget_bytes: if is_software { SOFTWARE_BUDGET_BYTES } else { BUDGET_BYTES }, ..self }
-    }
-
-    /// Uploads the picture if it is missing. The caller fills in `uniforms`, except for what depends on its layout.
-    pub(super) fn prepare(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        pane: u64,
-        id: PictureId,
-        plane: &Plane,
-        mut uniforms: Uniforms,
-    ) {
+    /// Uploads the picture if it is missing.
+    fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, paint: &PicturePaint, pixels_per_point: f32) {
         self.frame_open = true;
-        let Some(layout) = self.ensure_picture(device, queue, id, plane) else {
+        let (pane, id) = (paint.pane.value(), paint.id);
+        let Some(layout) = self.ensure_picture(device, queue, paint) else {
             // Without its picture a pane must not go on showing the one before.
             self.panes.remove(&pane);
             return;
         };
-        uniforms.size = layout.size.into();
-        uniforms.tile = layout.tile.into();
-        uniforms.tiles_across = layout.tiles.0;
-        uniforms.level = layout.level_for(uniforms.picture_px_per_px);
-        uniforms.flags |= if self.target_is_srgb { 2 } else { 0 };
-
+        let uniforms = paint.uniforms(pixels_per_point, layout, self.target_is_srgb);
         let view = &self.pictures[&id].texture.view;
+        let bind_group = |uniforms: &wgpu::Buffer| {
+            let textures = [view, &self.lut].map(wgpu::BindingResource::TextureView);
+            let resources = [uniforms.as_entire_binding()].into_iter().chain(textures);
+            let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+            device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("burstscope pane"),
+                layout: &self.pipeline.get_bind_group_layout(0),
+                entries: &(0..).zip(resources).map(entry).collect::<Vec<_>>(),
+            })
+        };
         let pane = self.panes.entry(pane).or_insert_with(|| {
             let buffer = device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("burstscope pane"),
@@ -108,25 +95,18 @@ impl PictureRenderer {
                 usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             });
-            let bind_group = bind_group(device, &self.pipeline, &buffer, view, &self.lut);
-            Pane { buffer, bind_group, picture: id, last_used_frame: 0 }
+            Pane { bind_group: bind_group(&buffer), buffer, picture: id, last_used_frame: 0 }
         });
         // A bind group names its texture: another picture in the pane needs another group.
         if pane.picture != id {
-            pane.bind_group = bind_group(device, &self.pipeline, &pane.buffer, view, &self.lut);
-            pane.picture = id;
+            (pane.bind_group, pane.picture) = (bind_group(&pane.buffer), id);
         }
         pane.last_used_frame = self.frame;
         queue.write_buffer(&pane.buffer, 0, bytemuck::bytes_of(&uniforms));
     }
 
-    fn ensure_picture(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        id: PictureId,
-        plane: &Plane,
-    ) -> Option<Layout> {
+    fn ensure_picture(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, paint: &PicturePaint) -> Option<Layout> {
+        let PicturePaint { id, ref plane, .. } = *paint;
         if let Some(resident) = self.pictures.get_mut(&id) {
             resident.last_used_frame = self.frame;
             return Some(resident.texture.layout);
@@ -197,29 +177,7 @@ impl PictureRenderer {
     }
 }
 
-pub(super) fn lut_row(map: ColourMap) -> u32 {
-    ColourMap::ALL.iter().position(|&m| m == map).unwrap_or(0) as u32
-}
-
-pub(super) fn bind_group(
-    device: &wgpu::Device,
-    pipeline: &wgpu::RenderPipeline,
-    uniforms: &wgpu::Buffer,
-    picture: &wgpu::TextureView,
-    lut: &wgpu::TextureView,
-) -> wgpu::BindGroup {
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("burstscope pane"),
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(picture) },
-            wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::TextureView(lut) },
-        ],
-    })
-}
-
-pub(super) fn pipeline(device: &wgpu::Device, target: wgpu::TextureFormat) -> wgpu::RenderPipeline {
+fn pipeline(device: &wgpu::Device, target: wgpu::TextureFormat) -> wgpu::RenderPipeline {
     let module = device.create_shader_module(wgpu::include_wgsl!("picture.wgsl"));
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("burstscope picture"),
@@ -250,20 +208,13 @@ pub(super) fn pipeline(device: &wgpu::Device, target: wgpu::TextureFormat) -> wg
 }
 
 /// Creates a texture of all colour maps: 256 columns, one row for each map in the order of [`ColourMap::ALL`].
-pub(super) fn lut_texture(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
+fn lut_texture(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::TextureView {
     let colours = ColourMap::ALL.into_iter().flat_map(ColourMap::lut);
     let bytes: Vec<u8> = colours.flat_map(|[r, g, b]| [r, g, b, 255]).collect();
-    let described = wgpu::TextureDescriptor {
-        label: Some("burstscope colour maps"),
-        size: wgpu::Extent3d { width: 256, height: ColourMap::ALL.len() as u32, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        // Not sRGB, which would convert the values of the maps as they are read.
-        format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    };
+    let size = wgpu::Extent3d { width: 256, height: ColourMap::ALL.len() as u32, depth_or_array_layers: 1 };
+    // Not sRGB, which would convert the values of the maps as they are read.
+    let (format, usage) = (wgpu::TextureFormat::Rgba8Unorm, wgpu::TextureUsages::TEXTURE_BINDING);
+    let described = flat_texture("burstscope colour maps", size, format, usage);
     let texture = device.create_texture_with_data(queue, &described, TextureDataOrder::LayerMajor, &bytes);
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
@@ -309,7 +260,7 @@ pub struct PicturePaint {
 }
 
 impl PicturePaint {
-    fn uniforms(&self, pixels_per_point: f32) -> Uniforms {
+    fn uniforms(&self, pixels_per_point: f32, layout: Layout, target_is_srgb: bool) -> Uniforms {
         let RectTransform { anchor_from: anchor, anchor_to: origin_ui, .. } = self.ui_from_picture;
         let display = self.display.sanitised();
         let backdrop = [self.backdrop.r(), self.backdrop.g(), self.backdrop.b()].map(|c| f32::from(c) / 255.0);
@@ -321,13 +272,18 @@ impl PicturePaint {
             anchor_picture: [anchor.x, anchor.y],
             backdrop,
             picture_px_per_px,
+            size: layout.size.into(),
+            tile: layout.tile.into(),
+            tiles_across: layout.tiles.0,
+            level: layout.level_for(picture_px_per_px),
+            lut_row: display.map as u32,
+            flags: u32::from(display.map.is_diverging())
+                + 2 * u32::from(target_is_srgb)
+                + 4 * u32::from(picture_px_per_px > 1.0),
             range_min: display.min,
             range_scale: 1.0 / (display.max - display.min),
             exponent: 1.0 / display.gamma,
-            lut_row: lut_row(display.map),
-            flags: u32::from(display.map.is_diverging()) | if picture_px_per_px > 1.0 { 4 } else { 0 },
             dim: self.dim.clamp(0.0, 1.0),
-            ..bytemuck::Zeroable::zeroed()
         }
     }
 }
@@ -342,8 +298,7 @@ impl egui_wgpu::CallbackTrait for PicturePaint {
         resources: &mut egui_wgpu::CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
         if let Some(renderer) = resources.get_mut::<PictureRenderer>() {
-            let uniforms = self.uniforms(screen.pixels_per_point);
-            renderer.prepare(device, queue, self.pane.value(), self.id, &self.plane, uniforms);
+            renderer.prepare(device, queue, self, screen.pixels_per_point);
         }
         Vec::new()
     }

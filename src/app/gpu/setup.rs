@@ -54,11 +54,10 @@ fn required_limits(adapter: &wgpu::Limits) -> wgpu::Limits {
 /// Enables `ctx` to draw float pictures with `render_state`, which draws without multisampling and without a depth
 /// buffer. Called before the first canvas is shown, and again for a new device in place of a [lost](Gpu::lost) one.
 pub fn install(ctx: &egui::Context, render_state: &RenderState) {
-    let RenderState { device, queue, target_format, .. } = render_state;
+    let device = &render_state.device;
     let limits = DeviceLimits::of(device);
     let failures = Gpu::of(ctx).map_or_else(Failures::default, |gpu| gpu.failures);
-    let renderer = PictureRenderer::new(device, queue, *target_format, limits, failures.clone());
-    let mut renderer = renderer.with_budget_of(&render_state.adapter);
+    let mut renderer = PictureRenderer::new(render_state, limits, failures.clone());
     renderer.window = Some(ctx.clone());
     let lost = Arc::new(OnceLock::new());
     let (noted, waker) = (lost.clone(), ctx.clone());

@@ -24,6 +24,25 @@ pub(super) fn wait_for_card(device: &wgpu::Device, submission: Option<wgpu::Subm
     let _ = device.poll(wait);
 }
 
+/// Describes a texture of one level, which is not multisampled.
+pub(in crate::app) fn flat_texture(
+    label: &'static str,
+    size: wgpu::Extent3d,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::TextureDescriptor<'static> {
+    wgpu::TextureDescriptor {
+        label: Some(label),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    }
+}
+
 struct NoRoom;
 
 fn within_memory<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, NoRoom> {
@@ -36,33 +55,19 @@ impl PictureTexture {
     /// Uploads `plane` and its coarser levels. Fails, with a sentence for the user, when no memory is left.
     pub fn upload(device: &wgpu::Device, queue: &wgpu::Queue, plane: &Plane, layout: Layout) -> Result<Self, String> {
         let uploaded = memory::refusable(|| Self::filled(device, queue, plane, layout));
+        let ((width, height), mb) = (layout.size, layout.bytes() >> 20);
         uploaded.unwrap_or(Err(NoRoom)).map_err(|NoRoom| {
-            format!(
-                "There is no memory left to show this picture of {} × {} pixels ({} MB on the graphics card). Close other programs, or crop the picture.",
-                layout.size.0,
-                layout.size.1,
-                layout.bytes() >> 20
-            )
+            format!("There is no memory left to show this picture of {width} × {height} pixels ({mb} MB on the graphics card). Close other programs, or crop the picture.")
         })
     }
 
     fn filled(device: &wgpu::Device, queue: &wgpu::Queue, plane: &Plane, layout: Layout) -> Result<Self, NoRoom> {
-        let texture = within_memory(device, || {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("burstscope picture"),
-                size: wgpu::Extent3d {
-                    width: layout.tile.0,
-                    height: layout.tile.1,
-                    depth_or_array_layers: layout.layers(),
-                },
-                mip_level_count: layout.levels,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::R32Float,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            })
-        })?;
+        let (width, height) = layout.tile;
+        let size = wgpu::Extent3d { width, height, depth_or_array_layers: layout.layers() };
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+        let flat = flat_texture("burstscope picture", size, wgpu::TextureFormat::R32Float, usage);
+        let described = wgpu::TextureDescriptor { mip_level_count: layout.levels, ..flat };
+        let texture = within_memory(device, || device.create_texture(&described))?;
         let mut writes = Writes { device, queue, texture: &texture, commands: Vec::new(), bytes: 0 };
         writes.write_level(plane, layout, 0)?;
         // Each level is made from the one before: two at most are in memory beside the picture.

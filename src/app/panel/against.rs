@@ -12,7 +12,7 @@ use crate::app::panel::widgets::{dashed_circle, progress_text, progress_ui, tip_
 use crate::app::results::Read;
 use crate::app::results::comparison::{Row, Shown};
 use crate::app::view::{fixed, signed_slope};
-use egui::{Button, Color32, Label, RichText, Sense, Ui, pos2, vec2};
+use egui::{Align2, Button, Color32, Label, RichText, Sense, Stroke, Ui, pos2, vec2};
 
 /// Colour of a comparison's outcome: distinct in hue and in lightness, and visible over a grey picture.
 pub fn colour(with: Reference, kind: Compared) -> Color32 {
@@ -214,12 +214,8 @@ pub fn marks_ui(ui: &Ui, model: Read<'_>, place: &RowsInPane<'_>, output: &Canva
     let highlighted = highlighted.or_else(|| elsewhere.and_then(of_ours));
     draw_circles(output, &marks, highlighted);
     queue.push_if(on_top && output.clicked_in_sight(), Action::SelectRow(side, pointed.map(|mark| rows[mark])));
-    if let Some(mark) = pointed.filter(|_| !output.response.dragged()) {
-        row_tip_ui(ui, shown, &shown.rows[rows[mark]]);
-    }
-}
-
-fn row_tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
+    let Some(mark) = pointed.filter(|_| !output.response.dragged()) else { return };
+    let row = &shown.rows[rows[mark]];
     let slope = row.slope.map_or_else(String::new, |s| format!("  slope ({}) px/frame", signed_slope(s, 2)));
     let note = if row.note.is_empty() { String::new() } else { format!("\n{}", row.note) };
     let text = format!("{}  σ {:.2} px{slope}{note}", shown.label(row.kind), row.sigma);
@@ -233,9 +229,8 @@ pub fn legend_ui(ui: &mut Ui, model: Read<'_>, in_pane: &RowsInPane<'_>, output:
     let RowsInPane { side, shown, .. } = *in_pane;
     let kinds: Vec<Compared> =
         Compared::of(shown.with).iter().copied().filter(|kind| model.document.comparisons[side].shows(*kind)).collect();
-    let place = legend::LegendCorner { rect_ui: output.response.rect, has_colour_bar: false };
     let size = vec2(196.0, 16.0 + 18.0 * kinds.len() as f32);
-    place.ui(ui, model, size, queue, |ui| {
+    legend::legend_ui(ui, model, (Align2::RIGHT_BOTTOM, output.response.rect, size), queue, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         for kind in kinds {
             ui.horizontal(|ui| {
@@ -253,8 +248,8 @@ pub fn legend_ui(ui: &mut Ui, model: Read<'_>, in_pane: &RowsInPane<'_>, output:
 fn key_ui(ui: &mut Ui, shown: &Shown, kind: Compared) {
     let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
     // Dark as the pictures, so that the colours can be told apart in the light theme too.
-    ui.painter().rect_filled(rect, 3.0, egui::Color32::from_gray(40));
-    let stroke = egui::Stroke::new(1.6, colour(shown.with, kind));
+    ui.painter().rect_filled(rect, 3.0, Color32::from_gray(40));
+    let stroke = Stroke::new(1.6, colour(shown.with, kind));
     if kind == Compared::Theirs {
         dashed_circle(ui.painter(), rect.center(), 4.5, stroke, (3.0, 2.0));
     } else {

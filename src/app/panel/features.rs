@@ -14,7 +14,7 @@ use crate::app::results::{Read, coherence_words, verdict_words};
 use crate::app::view::{KnownOfFeature, depth_text, motion_text};
 use crate::detector::{Detection, Feature, Quantity, Slope};
 use crate::inspect::slopes::{at_slope, is_at_slope};
-use egui::{Label, Pos2, RichText, Ui, vec2};
+use egui::{Align2, Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
 #[derive(Debug, Clone)]
@@ -78,9 +78,7 @@ impl FeatureLayer {
             detection,
         };
         if layer.slope.is_some() && layer.only_slope {
-            for index in 0..layer.shown.len() {
-                layer.shown[index] &= !layer.is_faint(index);
-            }
+            (0..layer.shown.len()).for_each(|index| layer.shown[index] &= !layer.is_faint(index));
         }
         Some(layer)
     }
@@ -201,7 +199,8 @@ pub fn features_ui(
         let notes = [has_faint.then(|| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
         let notes: Vec<String> = notes.into_iter().flatten().collect();
         let rect_ui = output.response.rect;
-        let place = legend::LegendCorner { rect_ui, has_colour_bar: model.has_colour_bar(id) };
+        // The colour bar of a map lies in the lower right corner.
+        let corner = if model.has_colour_bar(id) { Align2::LEFT_BOTTOM } else { Align2::RIGHT_BOTTOM };
         let key = legend::motion_key(model, id, rect_ui);
         let says_the_same = |key: &overlay::ColourScale| scale.has_wheel() && scale.limit_text() == key.limit_text();
         // One is enough where the colours of the picture and of the features mean the same.
@@ -210,7 +209,7 @@ pub fn features_ui(
             let roomy = key.is_some() || rect_ui.height() > 340.0 && rect_ui.width() > 480.0;
             let texts = if roomy { 1 + notes.len() } else { 0 };
             let size = vec2(if scale.has_wheel() { 160.0 } else { 196.0 }, scale.height() + 12.0 + 18.0 * texts as f32);
-            place.ui(ui, model, size, queue, |ui| {
+            legend::legend_ui(ui, model, (corner, rect_ui, size), queue, |ui| {
                 if roomy {
                     ui.label(RichText::new(scale.name()).small());
                 }
@@ -260,13 +259,10 @@ fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: KnownOfFeature<'_>) {
     let depth = depth_m.map_or_else(String::new, |depth| format!("  depth {}", depth_text(depth)));
     let coherence = judged.map_or_else(String::new, |j| format!("\ncoherence {}", coherence_words(j.coherence)));
     let layer = if f.layer > 0 { format!(", layer {}", f.layer) } else { String::new() };
-    let field = f.known_field().map_or_else(String::new, |field| {
-        let field = motion_text(field, f.field_sigma, 2);
-        format!("\nfield {field}")
-    });
-    let (moves, slope, response) =
-        (f.moves.words(), motion_text(f.slope, f.slope_sigma, 2), signed_number(f.response, 3));
-    let text = format!("{name}  σ {:.2} px{depth}\n{moves}{layer}\nslope {slope}{field}\n", f.sigma)
+    let field = f.known_field().map(|field| format!("\nfield {}", motion_text(field, f.field_sigma, 2)));
+    let field = field.unwrap_or_default();
+    let (slope, response) = (motion_text(f.slope, f.slope_sigma, 2), signed_number(f.response, 3));
+    let text = format!("{name}  σ {:.2} px{depth}\n{}{layer}\nslope {slope}{field}\n", f.sigma, f.moves.words())
         + &format!("response {response}  SNR {:.1}{coherence}", f.snr);
     tip_ui(ui, "feature tip", |ui| {
         ui.label(RichText::new(text).monospace());
@@ -281,19 +277,18 @@ fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: KnownOfFeature<'_>) {
 const TIP_WIDTH: f32 = 320.0;
 
 fn grey_text(model: Read<'_>, layer: &FeatureLayer, scale: &overlay::ColourScale) -> Option<String> {
+    use Quantity::{Depth, FieldSigma, FieldU, FieldV, Layer};
     let (coherence, detection) = (&model.results.coherence, &layer.detection);
     let why = match (scale.by.quantity(), coherence.of(detection), coherence.failure_of(detection)) {
-        (Some(Quantity::Depth), ..) => "Slopes, Slopes from the set-up gives depths".to_owned(),
-        (Some(Quantity::Layer), ..) => "in no layer".to_owned(),
-        (Some(Quantity::FieldU | Quantity::FieldV | Quantity::FieldSigma), ..) => {
-            "motion of the place unknown".to_owned()
-        }
-        (_, Some(_), _) => "too noisy to tell".to_owned(),
-        (_, None, Some(why)) => why.to_string(),
-        (_, None, None) if layer.method.is_some() => "not computed for methods; see One burst".to_owned(),
+        (Some(Depth), ..) => "Slopes, Slopes from the set-up gives depths",
+        (Some(Layer), ..) => "in no layer",
+        (Some(FieldU | FieldV | FieldSigma), ..) => "motion of the place unknown",
+        (_, Some(_), _) => "too noisy to tell",
+        (_, None, Some(why)) => &why.to_string(),
+        (_, None, None) if layer.method.is_some() => "not computed for methods; see One burst",
         (_, None, None) => match coherence.running().and_then(|running| running.progress) {
-            Some(progress) => format!("being computed, {:.0} %", 100.0 * progress.fraction),
-            None => "not computed yet".to_owned(),
+            Some(progress) => &format!("being computed, {:.0} %", 100.0 * progress.fraction),
+            None => "not computed yet",
         },
     };
     scale.has_unknown().then(|| format!("Grey: {why}"))

@@ -7,47 +7,36 @@ use crate::app::panel::widgets::named;
 use crate::app::results::Read;
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
 
-#[derive(Debug, Clone, Copy)]
-pub struct LegendCorner {
-    pub rect_ui: Rect,
-    /// Whether the colour bar of a map lies in the lower right corner, so that the legend takes the left one.
-    pub has_colour_bar: bool,
-}
-
-impl LegendCorner {
-    fn corner(self, size: Vec2) -> Rect {
-        let (align, inwards) = if self.has_colour_bar {
-            (Align2::LEFT_BOTTOM, vec2(10.0, -10.0))
+/// Draws a legend of `size` points, margins included, or its chip, in the corner `align` of the picture in `rect_ui`; a
+/// click folds or unfolds it.
+pub fn legend_ui(
+    ui: &mut Ui,
+    model: Read<'_>,
+    (align, rect_ui, size): (Align2, Rect, Vec2),
+    queue: &mut Queue,
+    add_contents: impl FnOnce(&mut Ui),
+) {
+    let is_open = model.document.look.legend;
+    let rect = align.align_size_within_rect(if is_open { size } else { CHIP }, rect_ui.shrink(10.0));
+    let name = if is_open { "Fold the legend" } else { "Show the legend" };
+    let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());
+    named(&response, egui::Role::Button, name);
+    ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
+        ui.spacing_mut().item_spacing.y = 4.0;
+        if is_open {
+            let margin = Margin::symmetric(8, 6);
+            Frame::new().fill(ground(ui)).corner_radius(5).inner_margin(margin).show(ui, |ui| {
+                ui.set_width(ui.available_width());
+                add_contents(ui);
+            });
         } else {
-            (Align2::RIGHT_BOTTOM, vec2(-10.0, -10.0))
-        };
-        align.align_size_within_rect(size, self.rect_ui).translate(inwards)
-    }
-
-    /// Draws a legend of `size` points, margins included, or its chip; a click folds or unfolds it.
-    pub fn ui(self, ui: &mut Ui, model: Read<'_>, size: Vec2, queue: &mut Queue, add_contents: impl FnOnce(&mut Ui)) {
-        let is_open = model.document.look.legend;
-        let rect = self.corner(if is_open { size } else { CHIP });
-        let name = if is_open { "Fold the legend" } else { "Show the legend" };
-        let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());
-        named(&response, egui::Role::Button, name);
-        ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
-            ui.spacing_mut().item_spacing.y = 4.0;
-            if is_open {
-                let margin = Margin::symmetric(8, 6);
-                Frame::new().fill(ground(ui)).corner_radius(5).inner_margin(margin).show(ui, |ui| {
-                    ui.set_width(ui.available_width());
-                    add_contents(ui);
-                });
-            } else {
-                ui.painter().rect_filled(rect, 5.0, ground(ui));
-                let (font, colour) = (TextStyle::Small.resolve(ui.style()), ui.visuals().text_color());
-                ui.painter().text(rect.center(), Align2::CENTER_CENTER, "Legend", font, colour);
-            }
-        });
-        let help = if is_open { "Colours of the features; click to fold (L)" } else { "Colours of the features (L)" };
-        queue.push_if(response.on_hover_text(help).clicked(), ActionId::ToggleLegend);
-    }
+            ui.painter().rect_filled(rect, 5.0, ground(ui));
+            let (font, colour) = (TextStyle::Small.resolve(ui.style()), ui.visuals().text_color());
+            ui.painter().text(rect.center(), Align2::CENTER_CENTER, "Legend", font, colour);
+        }
+    });
+    let help = if is_open { "Colours of the features; click to fold (L)" } else { "Colours of the features (L)" };
+    queue.push_if(response.on_hover_text(help).clicked(), ActionId::ToggleLegend);
 }
 
 /// Minimum size of a picture with a key of its own colours, in points.

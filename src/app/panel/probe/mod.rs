@@ -1,6 +1,5 @@
 //! Probe panel, with the answers of [`crate::inspect`]: the candidates at a place, and the reasons for their fates.
 
-mod colour_bar;
 mod fates;
 mod response;
 mod shares;
