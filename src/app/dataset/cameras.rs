@@ -3,10 +3,11 @@
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
 use crate::app::document::{Action, Pointed, Queue};
 use crate::app::panel::table::{Heading, Listed, rows_ui, texts};
-use crate::app::panel::widgets::instead_ui;
+use crate::app::panel::widgets::{instead_ui, named};
 use crate::app::results::studies::ORBIT_BEGINS;
 use crate::app::results::{PlaneScene, Read, Spot};
 use crate::app::style;
+use crate::app::view::nearest;
 use crate::evaluate::poses::sparse::SparseImage;
 use crate::evaluate::poses::{PairReport, PoseReport, Projection};
 use crate::export::round_length;
@@ -38,10 +39,6 @@ pub fn name(which: Which) -> &'static str {
     }
 }
 
-fn point_colour(ui: &Ui) -> Color32 {
-    ui.visuals().weak_text_color()
-}
-
 fn is_marked(model: Read<'_>, camera: Option<usize>) -> bool {
     camera.is_some() && (camera == model.results.poses.hovered || camera == model.document.trajectories.selected)
 }
@@ -49,7 +46,7 @@ fn is_marked(model: Read<'_>, camera: Option<usize>) -> bool {
 /// Draws the plane; the pointer pans (a free view it turns), zooms, and hovers over or selects cameras.
 pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(64.0, 64.0)), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Trajectories"));
+    named(&response, egui::Role::Canvas, "Trajectories");
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, backdrop(ui));
     let scene = model.results.poses.scene(&model.document.trajectories);
@@ -66,16 +63,14 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let is_free = model.document.trajectories.projection == Projection::Free;
     navigate(ui, &response, rect, &mut view, !is_free);
     let ui_from_plane = view.settle(rect, scene.size, pixels_per_point);
-    let pointed = response.hover_pos().and_then(|pos| nearest(&scene, &ui_from_plane, pos));
+    let pointed = response.hover_pos().and_then(|pos| camera_at(&scene, &ui_from_plane, pos));
     let camera = pointed.and_then(|(_, spot)| spot.camera);
     if response.hovered() {
         queue.point(&model.results.poses.hovered, camera, Pointed::Camera);
     }
     // A camera comes before the points around it.
     let point = response.hover_pos().filter(|_| pointed.is_none()).and_then(|pos| {
-        let near = scene.points.iter().map(|(point, at)| (ui_from_plane.pos(*at).distance(pos), *point));
-        let (distance, point) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        (distance <= 0.5 * REACH).then_some(point)
+        nearest(scene.points.iter().map(|(point, at)| (ui_from_plane.pos(*at).distance(pos), *point)), 0.5 * REACH)
     });
     let select = point.map_or(Action::SelectCamera(camera), Action::SelectPoint);
     queue.push_if(response.clicked(), select);
@@ -107,11 +102,9 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 }
 
 /// The camera nearest to `pos`, and whose it is; of equally near ones an estimate's, which are drawn above.
-fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) -> Option<(Which, &'a Spot)> {
+fn camera_at<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) -> Option<(Which, &'a Spot)> {
     let spots = Which::ALL.into_iter().flat_map(|which| scene.cameras[which as usize].iter().map(move |s| (which, s)));
-    let near = spots.map(|(which, s)| (ui_from_plane.pos(s.pos).distance(pos), which, s));
-    let (_, which, spot) = near.filter(|n| n.0 <= REACH).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some((which, spot))
+    nearest(spots.map(|(which, s)| (ui_from_plane.pos(s.pos).distance(pos), (which, s))), REACH)
 }
 
 fn label_of(model: Read<'_>, which: Which, index: usize) -> &str {
@@ -180,7 +173,7 @@ fn draw(ui: &Ui, painter: &Painter, model: Read<'_>, scene: &PlaneScene, ui_from
             }
             painter.circle_filled(at, 4.0, ui.visuals().strong_text_color());
         }
-        dots.add_colored_rect(Rect::from_center_size(at, vec2(2.0, 2.0)), point_colour(ui));
+        dots.add_colored_rect(Rect::from_center_size(at, vec2(2.0, 2.0)), ui.visuals().weak_text_color());
     }
     painter.add(dots);
     // Differences lie below the trajectories, whose marks stay whole.
@@ -239,7 +232,7 @@ fn frame_ui(ui: &Ui, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTr
             drawn => format!("{drawn} 3D points"),
         };
         entry(&text, None, &|middle| {
-            painter.rect_filled(Rect::from_center_size(middle, vec2(2.5, 2.5)), 0.0, point_colour(ui));
+            _ = painter.rect_filled(Rect::from_center_size(middle, vec2(2.5, 2.5)), 0.0, weak)
         });
     }
     // The scale bar takes up to a quarter of the width.
@@ -295,7 +288,7 @@ fn bars(model: Read<'_>) -> Vec<Bar> {
 pub fn points_strip_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let bars = bars(model);
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(40.0, 40.0)), Sense::click());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D points of each image"));
+    named(&response, egui::Role::Image, "3D points of each image");
     let (painter, visuals) = (ui.painter_at(rect), ui.visuals());
     let font = FontId::proportional(11.0);
     if bars.is_empty() {
@@ -333,10 +326,11 @@ pub fn points_strip_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             let left = column.left() + place as f32 * width;
             let column = Rect::from_x_y_ranges(left..=left + width, plot.y_range());
             // A low bar of another colour: an image that was not registered differs from one without points.
-            let (height, colour) = match points {
-                Some(points) if marked => (plot.height() * *points as f32 / most as f32, visuals.strong_text_color()),
-                Some(points) => (plot.height() * *points as f32 / most as f32, colour(ui, *which)),
-                None => (3.0, visuals.error_fg_color),
+            let height = points.map_or(3.0, |points| plot.height() * points as f32 / most as f32);
+            let colour = match points {
+                Some(_) if marked => visuals.strong_text_color(),
+                Some(_) => colour(ui, *which),
+                None => visuals.error_fg_color,
             };
             painter.rect_filled(column.with_min_y(plot.bottom() - height), 0.0, colour);
         }

@@ -21,7 +21,7 @@ use crate::export::{
     LegendEntry, MatchKind, motion_over,
 };
 use crate::inspect::words::counted;
-use crate::plane::display::{Display, to_rgba8};
+use crate::plane::display::to_rgba8;
 use crate::requests::{FigurePicture, FigureRequest, PictureAnswer, slope_legend, titled};
 use egui::{Align, ColorImage, Context, DragValue, Grid, Image, Layout, TextureOptions, Ui, Vec2, vec2};
 use image::imageops::{FilterType, resize};
@@ -95,20 +95,13 @@ pub fn figure_of(model: Read<'_>, widgets: &PaneWidgets, choice: &FigureChoice) 
     } else {
         vec![vec![model.document.focus()]]
     };
-    let mut panes = Vec::new();
-    let mut panels = |row: &Vec<PaneId>| {
-        let panel = |&id: &PaneId| {
-            let panel = panel_of(model, widgets, id, choice)?;
-            panes.push(id);
-            Some(panel)
-        };
-        row.iter().filter_map(panel).collect()
-    };
-    let rows: Vec<Vec<FigurePicture>> = rows.iter().map(&mut panels).collect();
+    let panel = |id: &PaneId| Some((*id, panel_of(model, widgets, *id, choice)?));
+    let rows = rows.iter().map(|row| row.iter().filter_map(panel).unzip());
+    let (panes, rows): (Vec<Vec<PaneId>>, Vec<Vec<FigurePicture>>) = rows.unzip();
     if rows.iter().all(Vec::is_empty) {
         return Err("there is no picture; open a burst first".to_owned());
     }
-    let matches = matches_of(model, widgets, &panes, choice);
+    let matches = matches_of(model, widgets, &panes.concat(), choice);
     Ok(FigureRequest { rows, matches, options: choice.options(), format: choice.format })
 }
 
@@ -135,6 +128,9 @@ fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureC
         Some(layer) if choice.legend && !drawn.is_empty() => legend(&layer.scale(model), layer, &drawn),
         _ => Vec::new(),
     };
+    let of = if model.range_class(id) == RangeClass::Share { "the frames" } else { "full scale" };
+    let ends = || [number(display.min, 3), format!("{} of {of}", number(display.max, 3))];
+    let bar = (choice.colour_bar && picture.motion.is_none()).then(ends);
     let panel = FigurePanel {
         size: (region.columns.len(), region.rows.len()),
         rgba: Arc::default(),
@@ -143,7 +139,7 @@ fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureC
         marks: layer.map(|layer| marks(model, &layer, &drawn)).unwrap_or_default(),
         title: choice.titles.then(|| title_of(model, id, picture)),
         legend,
-        bar: (choice.colour_bar && picture.motion.is_none()).then(|| colour_bar(&display, model.range_class(id))),
+        bar: bar.map(|[min, max]| ColourBar::of(&display, min, max)),
     };
     let features = model.features_of_motion(id).iter().copied().filter(has_numbers).collect();
     Some(FigurePicture { picture: picture.clone(), region, display, features, panel })
@@ -172,7 +168,7 @@ const SQUEEZED: f32 = 48.0;
 
 /// Image pixels; `None` where the pane is squeezed so much that the whole picture is drawn instead.
 fn part_in_view(state: &PictureState) -> Option<egui::Rect> {
-    let (visible, picture) = (state.visible_image?, state.shown()?.rect_image());
+    let (visible, picture) = (state.visible_image?, state.shown.as_ref()?.rect_image());
     let seen = state.ui_from_image?.rect(visible.intersect(picture));
     (seen.size().min_elem() >= SQUEEZED).then_some(visible)
 }
@@ -205,11 +201,6 @@ fn marks(model: Read<'_>, layer: &FeatureLayer, drawn: &[usize]) -> Vec<FigureMa
         }
     };
     drawn.iter().map(mark).filter(has_numbers).collect()
-}
-
-fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
-    let of = if class == RangeClass::Share { "the frames" } else { "full scale" };
-    ColourBar::of(display, number(display.min, 3), format!("{} of {of}", number(display.max, 3)))
 }
 
 /// Meanings of the colours of the `drawn` features: their slopes (at most 12), or the wheel of directions; the words and
@@ -433,12 +424,8 @@ fn tell(model: Read<'_>) -> String {
     let (count, (width, height)) = (film.steps().len(), film.size());
     let rate = model.document.film.rate;
     let bytes = bytes_per_pixel(model) * count as f64 * f64::from(width * height);
-    format!(
-        "{} of {width} × {height}, {rate} a second: {:.1} s; about {:.1} MB as GIF",
-        counted(count, "picture"),
-        count as f64 / f64::from(rate),
-        1e-6 * bytes
-    )
+    let (pictures, secs, mb) = (counted(count, "picture"), count as f64 / f64::from(rate), 1e-6 * bytes);
+    format!("{pictures} of {width} × {height}, {rate} a second: {secs:.1} s; about {mb:.1} MB as GIF")
 }
 
 fn bytes_per_pixel(model: Read<'_>) -> f64 {

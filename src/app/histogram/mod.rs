@@ -8,14 +8,14 @@ use crate::app::canvas::overlay::rgb;
 use crate::app::canvas::{Picture, number};
 use crate::app::gpu::PictureId;
 use crate::app::memo::Memo;
-use crate::app::panel::widgets::{hint, strip_of_colours};
+use crate::app::panel::widgets::{hint, small_text, strip_of_colours};
 use crate::app::words::choices;
 use crate::inspect::words::counted;
 use crate::plane::display::{ColourMap, Display, GAMMA_RANGE};
 use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};
 use egui::{
     Align2, Color32, CursorIcon, DragValue, Mesh, Painter, Pos2, Rangef, Rect, Response, Sense, Shape, Slider, Stroke,
-    StrokeKind, TextStyle, Ui, pos2, vec2,
+    StrokeKind, Ui, pos2, vec2,
 };
 
 const BINS: usize = 256;
@@ -32,10 +32,6 @@ pub struct HistogramPanel {
     counts: Memo<(PictureId, Rangef), Histogram>,
     axis: Option<Rangef>,
     drag: Option<Drag>,
-}
-
-fn full_range(picture: &Picture) -> Option<(f32, f32)> {
-    summary(&picture.drawn, &Region::whole(&picture.drawn)).range()
 }
 
 choices! {
@@ -123,14 +119,14 @@ impl HistogramPanel {
 
     /// The axis, and what is counted along it.
     fn count(&mut self, picture: &Picture, display: &Display) -> (Rangef, Histogram) {
-        let data_range = *self.data_range.get(picture.id, || full_range(picture));
+        let whole = Region::whole(&picture.drawn);
+        let data_range = *self.data_range.get(picture.id, || summary(&picture.drawn, &whole).range());
         // While a handle is dragged the axis stays.
         let axis = match self.axis {
             Some(axis) if self.drag.is_some() || axis_fits(axis, data_range, display) => axis,
             _ => axis_for(data_range, display),
         };
         self.axis = Some(axis);
-        let whole = Region::whole(&picture.drawn);
         let counted = || histogram(&picture.drawn, &whole, axis.min, axis.max, BINS);
         (axis, self.counts.get((picture.id, axis), counted).clone())
     }
@@ -245,6 +241,8 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
 }
 
 const STRIP_POINTS: f32 = 9.0;
+/// Number of colours in the strip.
+const STEPS: usize = 192;
 
 const LABELS_POINTS: f32 = 15.0;
 
@@ -297,11 +295,19 @@ fn draw(
     let inside = Rect::from_x_y_ranges(low..=high, geometry.bars.y_range()).intersect(geometry.bars);
     painter.rect_filled(inside, 0.0, visuals.selection.bg_fill.gamma_multiply(0.22));
     draw_bars(painter, geometry, histogram, display, visuals.text_color());
-    draw_strip(painter, geometry, display, visuals.weak_text_color());
+    // The strip of colours that values get, including the end colours beyond the range.
+    let (strip, colours) = (geometry.strip, display.colours());
+    strip_of_colours(painter, strip, STEPS, |_, middle| rgb(colours.colour(geometry.value_at(middle))));
+    let outline = Stroke::new(1.0, visuals.weak_text_color().gamma_multiply(0.7));
+    painter.rect_stroke(strip, 0.0, outline, StrokeKind::Outside);
     draw_labels(ui, painter, geometry);
     for (value, this) in [(display.min, Grip::Min), (display.max, Grip::Max)] {
-        let strong = grip == Some(this) || grip == Some(Grip::Both);
-        draw_handle(ui, painter, geometry, geometry.x_of(value), strong);
+        let (x, strong) = (geometry.x_of(value), grip == Some(this) || grip == Some(Grip::Both));
+        let colour = if strong { visuals.strong_text_color() } else { visuals.selection.stroke.color };
+        let stroke = Stroke::new(if strong { 2.0 } else { 1.5 }, colour);
+        painter.vline(x, geometry.bars.top()..=strip.bottom(), stroke);
+        let knob = Rect::from_center_size(pos2(x, strip.center().y), vec2(7.0, STRIP_POINTS + 5.0));
+        painter.rect(knob, 3.0, visuals.widgets.active.bg_fill, stroke, StrokeKind::Inside);
     }
 }
 
@@ -328,38 +334,16 @@ fn draw_bars(painter: &Painter, geometry: &PlotGeometry, histogram: &Histogram, 
     painter.add(Shape::mesh(mesh));
 }
 
-/// Draws the strip of colours that values get, including the end colours beyond the range.
-fn draw_strip(painter: &Painter, geometry: &PlotGeometry, display: &Display, outline: Color32) {
-    const STEPS: usize = 192;
-    let colours = display.colours();
-    let strip = geometry.strip;
-    strip_of_colours(painter, strip, STEPS, |_, middle| rgb(colours.colour(geometry.value_at(middle))));
-    painter.rect_stroke(strip, 0.0, Stroke::new(1.0, outline.gamma_multiply(0.7)), StrokeKind::Outside);
-}
-
 fn draw_labels(ui: &Ui, painter: &Painter, geometry: &PlotGeometry) {
-    let font = TextStyle::Small.resolve(ui.style());
-    let colour = ui.visuals().weak_text_color();
     let y = geometry.strip.bottom() + 3.0;
     let Rangef { min: low, max: high } = geometry.axis;
-    let text = |x: f32, align: Align2, value: f32| {
-        painter.text(pos2(x, y), align, number(value, 3), font.clone(), colour);
-    };
+    let text = |x: f32, align: Align2, value: f32| small_text(ui, painter, pos2(x, y), align, &number(value, 3));
     text(geometry.bars.left(), Align2::LEFT_TOP, low);
     text(geometry.bars.right(), Align2::RIGHT_TOP, high);
     let zero = -low / (high - low);
     if (0.3..=0.7).contains(&zero) {
         text(geometry.x_of(0.0), Align2::CENTER_TOP, 0.0);
     }
-}
-
-fn draw_handle(ui: &Ui, painter: &Painter, geometry: &PlotGeometry, x: f32, strong: bool) {
-    let visuals = ui.visuals();
-    let colour = if strong { visuals.strong_text_color() } else { visuals.selection.stroke.color };
-    let stroke = Stroke::new(if strong { 2.0 } else { 1.5 }, colour);
-    painter.vline(x, geometry.bars.top()..=geometry.strip.bottom(), stroke);
-    let knob = Rect::from_center_size(Pos2::new(x, geometry.strip.center().y), vec2(7.0, STRIP_POINTS + 5.0));
-    painter.rect(knob, 3.0, visuals.widgets.active.bg_fill, stroke, StrokeKind::Inside);
 }
 
 /// Axis that contains all values and the display range, with a margin of 4 % of its length at each end.

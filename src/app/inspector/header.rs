@@ -16,7 +16,7 @@ use crate::app::{canvas, style};
 use crate::inspect::words::capitalised;
 use egui::{
     Align, Button, CursorIcon, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind,
-    Ui, Vec2, pos2, vec2,
+    Ui, Vec2, vec2,
 };
 
 // Minimum widths of headers, in points: on one line (others have the links on a second one), with range and zoom, and
@@ -114,9 +114,8 @@ fn drawn_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets,
     let text = match widgets.of(id).picture.drawn_of {
         Some((_, in_view)) if look.draws_all => {
             let chip = ui.add(Button::new(RichText::new(format!("all {in_view} drawn ✖")).small()));
-            if chip.on_hover_text("All circles are drawn; a click draws the strongest alone").clicked() {
-                queue.push(ActionId::DrawAll);
-            }
+            let chip = chip.on_hover_text("All circles are drawn; a click draws the strongest alone");
+            queue.push_if(chip.clicked(), ActionId::DrawAll);
             String::new()
         }
         Some((drawn, in_view)) if drawn < in_view => format!("{drawn} of {in_view} drawn"),
@@ -155,9 +154,8 @@ fn filter_chip_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &
     let chip = ui.add(Button::new(text).min_size(vec2(16.0, 16.0)));
     named(&chip, egui::Role::Button, "Show all features again");
     let count = format!("{} of {} features pass{noise}", model.results.listed.len(), model.features().len());
-    if chip.on_hover_text(format!("Filter: {}. {count}; a click shows all", words.join(", "))).clicked() {
-        queue.push(ActionId::ClearFilter);
-    }
+    let chip = chip.on_hover_text(format!("Filter: {}. {count}; a click shows all", words.join(", ")));
+    queue.push_if(chip.clicked(), ActionId::ClearFilter);
 }
 
 /// Draws the zoom and the value range, as an icon where there is less room. Dragged sideways the range moves, up and
@@ -175,18 +173,17 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidget
     let tip = "Values drawn black and white. Drag sideways for brightness, up and down for contrast; click for numbers";
     let before = model.display_of(id);
     let mut display = before;
-    let range = match has_range {
-        true => {
-            let [min, max] = [display.min, display.max].map(|end| canvas::number(end, 3));
-            let text = RichText::new(format!("{min} … {max}")).weak();
-            let button = Button::new(text).frame_when_inactive(false).sense(Sense::click_and_drag());
-            ui.scope(|ui| {
-                ui.spacing_mut().button_padding = vec2(2.0, 0.0);
-                ui.add(button).on_hover_text(tip)
-            })
-            .inner
-        }
-        false => icon_button_ui(ui, Icon::Contrast, &name, tip, true),
+    let range = if has_range {
+        let [min, max] = [display.min, display.max].map(|end| canvas::number(end, 3));
+        let text = RichText::new(format!("{min} … {max}")).weak();
+        let button = Button::new(text).frame_when_inactive(false).sense(Sense::click_and_drag());
+        let button_ui = |ui: &mut Ui| {
+            ui.spacing_mut().button_padding = vec2(2.0, 0.0);
+            ui.add(button).on_hover_text(tip)
+        };
+        ui.scope(button_ui).inner
+    } else {
+        icon_button_ui(ui, Icon::Contrast, &name, tip, true)
     };
     named(&range, egui::Role::Button, &name);
     if range.dragged() {
@@ -196,7 +193,7 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidget
         display = display.with_range(middle - half, middle + half);
     }
     let PictureState { visible_image, .. } = widgets.of(id).picture;
-    let picture = widgets.of(id).picture.shown();
+    let picture = widgets.of(id).picture.shown.as_ref();
     egui::Popup::menu(&range).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
         ends_ui(ui, &mut display);
         ranges_ui(ui, picture, visible_image, &mut display);
@@ -237,12 +234,10 @@ fn buttons_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &mut 
     ui.spacing_mut().item_spacing.x = 1.0;
     let many = model.document.panes.are_many();
     let of = model.document.panes.number(id).filter(|_| many).map_or_else(String::new, |number| format!(" {number}"));
-    if many && icon_button_ui(ui, Icon::Close, &format!("Close pane{of}"), "Close this pane  (Ctrl+W)", true).clicked()
-    {
-        queue.push(Action::ChangePanes(Change::Close(id)));
-    }
-    let menu =
-        icon_button_ui(ui, Icon::Menu, &format!("Menu of pane{of}"), "What this pane shows and shares; layouts", true);
+    let (close, menu) = (format!("Close pane{of}"), format!("Menu of pane{of}"));
+    let closes = many && icon_button_ui(ui, Icon::Close, &close, "Close this pane  (Ctrl+W)", true).clicked();
+    queue.push_if(closes, Action::ChangePanes(Change::Close(id)));
+    let menu = icon_button_ui(ui, Icon::Menu, &menu, "What this pane shows and shares; layouts", true);
     egui::Popup::menu(&menu).show(|ui| pane_menu_ui(ui, model, id, queue));
     // Keys and menu split a single pane.
     if width < ROOM_FOR_SPLITS || !many {
@@ -254,9 +249,8 @@ fn buttons_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &mut 
         (Icon::SplitRight, Direction::Right, "Split right", "S"),
     ] {
         let tip = format!("{name}: a second pane that shows the same to begin with  ({key})");
-        if icon_button_ui(ui, icon, &format!("{name}{of}"), &tip, room).clicked() {
-            queue.push(Action::ChangePanes(Change::Split(id, direction)));
-        }
+        let split = icon_button_ui(ui, icon, &format!("{name}{of}"), &tip, room);
+        queue.push_if(split.clicked(), Action::ChangePanes(Change::Split(id, direction)));
     }
     ui.add_space(4.0);
 }
@@ -276,11 +270,11 @@ pub fn icon_button_ui(ui: &mut Ui, icon: Icon, name: &str, tip: &str, enabled: b
     let sense = if enabled { Sense::click() } else { Sense::hover() };
     let (rect, response) = ui.allocate_exact_size(ICON_SIZE, sense);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, enabled, name));
-    if response.hovered() && enabled {
+    let is_lit = response.hovered() && enabled;
+    if is_lit {
         ui.painter().rect_filled(rect, 4.0, ui.visuals().widgets.hovered.weak_bg_fill);
     }
-    let colour =
-        if response.hovered() && enabled { ui.visuals().strong_text_color() } else { ui.visuals().weak_text_color() };
+    let colour = if is_lit { ui.visuals().strong_text_color() } else { ui.visuals().weak_text_color() };
     draw(ui, icon, rect, Stroke::new(1.0, colour));
     response.on_hover_text(tip)
 }
@@ -289,15 +283,12 @@ fn draw(ui: &Ui, icon: Icon, rect: Rect, stroke: Stroke) {
     let painter = ui.painter();
     let frame = Rect::from_center_size(rect.center(), vec2(13.0, 11.0));
     let line = |from: Pos2, to: Pos2| painter.line_segment([from, to], stroke);
+    if matches!(icon, Icon::SplitRight | Icon::SplitDown) {
+        painter.rect_stroke(frame, 2.0, stroke, StrokeKind::Inside);
+    }
     match icon {
-        Icon::SplitRight => {
-            painter.rect_stroke(frame, 2.0, stroke, StrokeKind::Inside);
-            line(pos2(frame.center().x, frame.top()), pos2(frame.center().x, frame.bottom()));
-        }
-        Icon::SplitDown => {
-            painter.rect_stroke(frame, 2.0, stroke, StrokeKind::Inside);
-            line(pos2(frame.left(), frame.center().y), pos2(frame.right(), frame.center().y));
-        }
+        Icon::SplitRight => _ = line(frame.center_top(), frame.center_bottom()),
+        Icon::SplitDown => _ = line(frame.left_center(), frame.right_center()),
         Icon::Contrast => {
             let (centre, radius) = (rect.center(), 5.5);
             painter.circle_stroke(centre, radius, stroke);

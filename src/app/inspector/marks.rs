@@ -49,19 +49,33 @@ fn value_at(model: Read<'_>, widgets: &PaneWidgets, drawn: &Drawn, pos_image: Po
     Some(PlaceValue { id: drawn.pane, number: model.document.panes.number(drawn.pane)?, readout })
 }
 
-/// Draws a cross with a gap in its middle, so that the marked place can be seen, and a text beside it.
-fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>, colour: Color32) {
-    let (painter, rect) = (&output.painter, output.response.rect);
+/// Draws the four arms of a cross with a gap in its middle, so that the marked place can be seen: `first`, and its turns.
+/// The place in the window, if it is in sight.
+fn cross(
+    output: &CanvasOutput,
+    pos_image: Pos2,
+    first: Vec2,
+    [from, to]: [f32; 2],
+    strokes: [Stroke; 2],
+) -> Option<Pos2> {
     let centre = output.ui_from_image.pos(pos_image);
-    if !rect.contains(centre) {
-        return;
+    if !output.response.rect.contains(centre) {
+        return None;
     }
-    for (width, colour) in [(3.0, Color32::from_black_alpha(150)), (1.2, colour)] {
-        for direction in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
-            painter.line_segment([centre + 3.0 * direction, centre + 10.0 * direction], Stroke::new(width, colour));
+    for stroke in strokes {
+        for direction in [first, first.rot90(), -first, -first.rot90()] {
+            output.painter.line_segment([centre + from * direction, centre + to * direction], stroke);
         }
     }
-    let Some(text) = text else { return };
+    Some(centre)
+}
+
+/// Draws a cross, and a text beside it.
+fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>, colour: Color32) {
+    let (painter, rect) = (&output.painter, output.response.rect);
+    let strokes = [Stroke::new(3.0, Color32::from_black_alpha(150)), Stroke::new(1.2, colour)];
+    let centre = cross(output, pos_image, vec2(1.0, 0.0), [3.0, 10.0], strokes);
+    let Some((centre, text)) = centre.zip(text) else { return };
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::monospace(11.0), Color32::WHITE);
     // Beside the mark, on the side with enough space.
     let right = centre.x + 14.0 + galley.size().x < rect.right();
@@ -174,10 +188,9 @@ pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, drawn: &[Drawn], queue: &mut Qu
     let text = match (motion, loupe) {
         (Err(why), _) => why.to_owned(),
         (_, Some((side, slope))) => {
-            if is_clicked && !is_with_shift(ui) {
-                queue.push(Action::Focus(id));
-                queue.push(Action::SetSlope(drawn.shown, slope));
-            }
+            let is_taken = is_clicked && !is_with_shift(ui);
+            queue.push_if(is_taken, Action::Focus(id));
+            queue.push_if(is_taken, Action::SetSlope(drawn.shown, slope));
             if loupe_ui(ui, model, drawn, (side, place, slope), &text(slope)).is_some() {
                 return;
             }
@@ -246,8 +259,8 @@ fn loupe_ui(
     named(&ui.interact(ground, id, Sense::hover()), Role::Label, text);
     painter.galley(ground.left_bottom() + vec2(GAP, -GAP - below.size().y), below, Color32::WHITE);
     // All patches share a range of brightnesses of the pane, so that they compare.
-    let class =
-        if model.range_class(drawn.shown) == RangeClass::Frame { RangeClass::Frame } else { RangeClass::Intensity };
+    let is_frame = model.range_class(drawn.shown) == RangeClass::Frame;
+    let class = if is_frame { RangeClass::Frame } else { RangeClass::Intensity };
     let display = model.document.ranges_of(pane).display(class);
     // Twice as large as in the pane, but no fewer pixels than tell something, and no more than can be told apart.
     let half_px = (0.25 * side / output.ui_from_image.scale()).clamp(6.0, 32.0);
@@ -311,7 +324,8 @@ fn probe_marks_ui(model: Read<'_>, drawn: &[Drawn]) {
         let own = model.pane(drawn.pane).map_or_else(Slope::default, |pane| pane.cursor.slope);
         let slope = answer.map_or(own, |answer| answer.probe.subject.slope);
         if let Some(pos) = in_pane(model, drawn.shown, (side, place), slope) {
-            probe_mark(&drawn.output, pos);
+            let strokes = [Stroke::new(4.0, Color32::from_black_alpha(170)), Stroke::new(2.0, MARK)];
+            cross(&drawn.output, pos, vec2(1.0, 1.0).normalized(), [5.0, 14.0], strokes);
         }
         let Some(probe) = answer.map(|answer| &answer.probe) else { continue };
         let Some(fate) = probe.subject_fate() else { continue };
@@ -319,10 +333,8 @@ fn probe_marks_ui(model: Read<'_>, drawn: &[Drawn]) {
         if let Some(pos) = in_pane(model, drawn.shown, (side, fate.pos_image), fate.slope) {
             blob(&drawn.output, pos, fate.sigma, MARK);
         }
-        let rival = fate.first_failed.and_then(|test| fate.report(test).rival);
-        if let Some(rival) = rival
-            && let Some(pos) = in_pane(model, drawn.shown, (side, rival.pos_image), rival.slope)
-        {
+        let Some(rival) = fate.first_failed.and_then(|test| fate.report(test).rival) else { continue };
+        if let Some(pos) = in_pane(model, drawn.shown, (side, rival.pos_image), rival.slope) {
             blob(&drawn.output, pos, rival.sigma, RIVAL);
         }
     }
@@ -331,20 +343,6 @@ fn probe_marks_ui(model: Read<'_>, drawn: &[Drawn]) {
 const POINTER: Color32 = Color32::from_rgb(255, 214, 90);
 const MARK: Color32 = Color32::from_rgb(80, 220, 255);
 const RIVAL: Color32 = Color32::from_rgb(255, 120, 90);
-
-fn probe_mark(output: &CanvasOutput, pos_image: Pos2) {
-    let centre = output.ui_from_image.pos(pos_image);
-    if !output.response.rect.contains(centre) {
-        return;
-    }
-    for (width, colour) in [(4.0, Color32::from_black_alpha(170)), (2.0, MARK)] {
-        for direction in [vec2(1.0, 1.0), vec2(-1.0, 1.0), vec2(1.0, -1.0), vec2(-1.0, -1.0)] {
-            let direction = direction.normalized();
-            let ends = [centre + 5.0 * direction, centre + 14.0 * direction];
-            output.painter.line_segment(ends, Stroke::new(width, colour));
-        }
-    }
-}
 
 /// Draws a blob's circle, dashed to distinguish it from a feature.
 fn blob(output: &CanvasOutput, pos_image: Pos2, sigma: f32, colour: Color32) {

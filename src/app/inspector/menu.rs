@@ -39,16 +39,14 @@ fn view_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     over_ui(ui, model, id, queue);
     links_ui(ui, model, id, queue);
     ui.separator();
-    for action in [ActionId::Fit, ActionId::OneToOne] {
-        item_ui(ui, model, queue, action);
-    }
+    item_ui(ui, model, queue, ActionId::Fit);
+    item_ui(ui, model, queue, ActionId::OneToOne);
     ui.separator();
     for (label, direction) in [("Split right", Direction::Right), ("Split down", Direction::Down)] {
         queue.push_if(ui.button(label).clicked(), Action::ChangePanes(Change::Split(id, direction)));
     }
-    if ui.add_enabled(model.document.panes.are_many(), Button::new("Close pane")).clicked() {
-        queue.push(Action::ChangePanes(Change::Close(id)));
-    }
+    let close = ui.add_enabled(model.document.panes.are_many(), Button::new("Close pane"));
+    queue.push_if(close.clicked(), Action::ChangePanes(Change::Close(id)));
     ui.menu_button("Layout", |ui| {
         for (label, help, change) in (model.document.workspace.record().layouts)(id) {
             queue.push_if(ui.button(label).on_hover_text(help).clicked(), Action::ChangePanes(change));
@@ -60,14 +58,11 @@ fn content_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     let mut others = other_panes(model, id);
     // A difference is made of panes that show pictures of their own.
     others.retain(|(other, _)| model.pane(*other).is_some_and(|pane| pane.shown().is_some()));
-    let both = model.burst_of(Side::B).is_some();
-    let methods = model.methods_shown();
     let Some(pane) = model.pane(id) else { return };
     for kind in ViewKind::ALL {
-        let about = kind.about();
-        let radio = ui.radio(pane.shows(kind), about.label);
-        queue
-            .push_if(explained(radio, about.help, glossary().of_picture(kind.key())).clicked(), Action::Show(id, kind));
+        let radio = ui.radio(pane.shows(kind), kind.about().label);
+        let radio = explained(radio, kind.about().help, glossary().of_picture(kind.key()));
+        queue.push_if(radio.clicked(), Action::Show(id, kind));
     }
     for axis in SliceAxis::ALL {
         let ([label, help], slice) = (axis.words(), Content::Slice(axis));
@@ -80,33 +75,30 @@ fn content_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
             for &(a, number_a) in &others {
                 ui.menu_button(format!("{number_a} minus"), |ui| {
                     for &(b, number_b) in others.iter().filter(|(b, _)| *b != a) {
-                        if ui.button(format!("{number_a} − {number_b}")).clicked() {
-                            queue.push(Action::SetContent(id, Content::Difference(a, b)));
-                        }
+                        let button = ui.button(format!("{number_a} − {number_b}"));
+                        queue.push_if(button.clicked(), Action::SetContent(id, Content::Difference(a, b)));
                     }
                 });
             }
         });
         menu.response.on_disabled_hover_text("A difference needs two other panes: split this one first");
     });
-    let mut side = pane.side;
     if let Some(before) = pane.method {
-        let mut chosen = before;
-        ui.menu_button(format!("Method: {}", chosen.label()), |ui| {
-            for one in methods {
-                ui.radio_value(&mut chosen, one, one.label()).on_hover_text(one.help());
+        ui.menu_button(format!("Method: {}", before.label()), |ui| {
+            for one in model.methods_shown() {
+                let radio = ui.radio(one == before, one.label()).on_hover_text(one.help());
+                queue.push_if(radio.clicked() && one != before, Action::SetMethod(id, one));
             }
         });
-        queue.set(&before, chosen, |method| Action::SetMethod(id, method));
     }
-    if both {
+    if model.burst_of(Side::B).is_some() {
         ui.horizontal(|ui| {
             ui.label("Burst");
             for one in Side::BOTH {
-                ui.radio_value(&mut side, one, one.name());
+                let radio = ui.radio(one == pane.side, one.name());
+                queue.push_if(radio.clicked() && one != pane.side, Action::SetSide(id, one));
             }
         });
-        queue.set(&pane.side, side, |side| Action::SetSide(id, side));
     }
 }
 
@@ -119,15 +111,12 @@ fn over_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     let others = other_panes(model, id);
     let Some(pane) = model.pane(id) else { return };
     ui.add_enabled_ui(!others.is_empty(), |ui| {
-        let wipe = |other| Over::Wipe { other, at: 0.5 };
-        let flip = |other| Over::Flip { other, flipped: false };
-        let ways: [(&str, &dyn Fn(PaneId) -> Over); 2] = [("Wipe with", &wipe), ("Flip with", &flip)];
-        for (label, over) in ways {
+        let wipe: fn(PaneId) -> Over = |other| Over::Wipe { other, at: 0.5 };
+        for (label, over) in [("Wipe with", wipe), ("Flip with", |other| Over::Flip { other, flipped: false })] {
             ui.menu_button(label, |ui| {
                 for &(other, number) in &others {
-                    if ui.button(format!("Pane {number}")).clicked() {
-                        queue.push(Action::SetOver(id, Some(over(other))));
-                    }
+                    let button = ui.button(format!("Pane {number}"));
+                    queue.push_if(button.clicked(), Action::SetOver(id, Some(over(other))));
                 }
             });
         }
@@ -180,10 +169,10 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: Read<'_>, widgets: &mut Pane
                 match_menu_ui(ui, &row, queue);
                 ui.separator();
             }
-            if let Some((side, place)) = place.mid_burst
-                && ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help).clicked()
-            {
-                queue.push(Action::Probe(side, ProbeQuestion::At { place, wanted: ProbeSubject::Best }));
+            if let Some((side, place)) = place.mid_burst {
+                let probe = ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help);
+                let question = ProbeQuestion::At { place, wanted: ProbeSubject::Best };
+                queue.push_if(probe.clicked(), Action::Probe(side, question));
             }
             if let Some(readout) = &place.readout {
                 let value = format!("Copy value {}", number(readout.value, 4));
@@ -209,9 +198,8 @@ pub(in crate::app) fn feature_items_ui(ui: &mut Ui, feature: &Feature, index: us
         queue.push(Action::Select(Some(index)));
         queue.push(ActionId::GoToFeature);
     }
-    if ui.button("Why this feature?").on_hover_text(ActionId::ProbeFeature.action().help).clicked() {
-        queue.push(Action::ProbeFeature(Side::A, index));
-    }
+    let why = ui.button("Why this feature?").on_hover_text(ActionId::ProbeFeature.action().help);
+    queue.push_if(why.clicked(), Action::ProbeFeature(Side::A, index));
     copy_ui(ui, "Copy row", || clipboard::feature_text(feature));
 }
 

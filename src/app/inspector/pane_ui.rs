@@ -53,8 +53,7 @@ pub(super) fn picture_ui(
         Some(Over::Flip { other, flipped: true }) => other,
         _ => id,
     };
-    let state = &mut widgets.of(shown).picture;
-    state.refresh(model.drawn_in(shown));
+    widgets.of(shown).picture.refresh(model.drawn_in(shown));
     let problem = model.problem_of(shown);
     let before = model.pane(id).map(|pane| pane.view).unwrap_or_default();
     let mut view = before;
@@ -65,8 +64,8 @@ pub(super) fn picture_ui(
     }
     let state = &mut widgets.of(shown).picture;
     let canvas = Canvas {
-        picture: state.shown().filter(|_| problem.is_none()),
-        preview: state.preview(),
+        picture: state.shown.as_ref().filter(|_| problem.is_none()),
+        preview: state.preview.as_ref(),
         empty_text: problem.as_deref().unwrap_or("Computing the picture…"),
         primary_pans: !model.document.workspace.inspects() || model.document.measure.tool == Tool::Pan,
         ..canvas_of(model, shown, &name)
@@ -76,7 +75,7 @@ pub(super) fn picture_ui(
     let state = &mut widgets.of(shown).picture;
     state.paint_colours(ui, model, shown, &output);
     state.readout = output.hover_image.and_then(|pos| state.readout_at(model, shown, pos));
-    let visible = state.shown().is_some().then_some(output.visible_image);
+    let visible = state.shown.is_some().then_some(output.visible_image);
     let state = &mut widgets.of(id).picture;
     (state.ui_from_image, state.visible_image) = (Some(output.ui_from_image), visible);
     // Settling alone is no action of the user: only a view that looks different is recorded.
@@ -110,7 +109,7 @@ pub(super) fn over_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, d
     let state = &mut widgets.of(other).picture;
     state.refresh(model.drawn_in(other));
     let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
-    let (picture, preview) = (state.shown(), state.preview());
+    let (picture, preview) = (state.shown.as_ref(), state.preview.as_ref());
     let canvas = Canvas { picture, preview, ..canvas_of(model, other, "Wipe, right side") };
     let over = canvas.show_over(ui, &drawn.output, right);
     state.paint_colours(ui, model, other, &over);
@@ -348,9 +347,7 @@ fn line(ui: &Ui, area: &Area, slice: &Slice, slope: Slope, own: bool) {
     if own {
         painter.line_segment(ends, Stroke::new(4.0, Color32::from_black_alpha(150)));
         painter.line_segment(ends, Stroke::new(2.0, style::ACCENT));
-        for end in ends {
-            painter.circle_filled(end, 4.0, style::ACCENT);
-        }
+        ends.into_iter().for_each(|end| _ = painter.circle_filled(end, 4.0, style::ACCENT));
     } else {
         painter.extend(egui::Shape::dashed_line(&ends, Stroke::new(1.5, Color32::from_rgb(255, 214, 90)), 4.0, 4.0));
     }
@@ -387,10 +384,11 @@ fn reading(answer: &Probed, slice: &Slice, area: &Area, pos: Pos2) -> String {
 pub(super) fn method_ui(ui: &Ui, model: Read<'_>, drawn: &Drawn) {
     let Some(pane) = model.pane(drawn.pane) else { return };
     let Some(method) = pane.method.filter(|_| model.document.panes.over(drawn.pane).is_none()) else { return };
-    let count = model.method_found(method, pane.side).map_or_else(
-        || if model.results.compare.problem(method).is_some() { "not searched".to_owned() } else { "…".to_owned() },
-        |found| counted(found.detection.features.len(), "feature"),
-    );
+    let count = match model.method_found(method, pane.side) {
+        Some(found) => &counted(found.detection.features.len(), "feature"),
+        None if model.results.compare.problem(method).is_some() => "not searched",
+        None => "…",
+    };
     let text = format!("{}  ·  {count}", method.label());
     chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &text, ("method", drawn.pane));
 }

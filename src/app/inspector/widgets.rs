@@ -50,7 +50,6 @@ impl PaneWidgets {
     pub fn pos_ui(&self, id: PaneId, pos_image: Pos2) -> Option<Pos2> {
         self.ui_from_image(id).map(|t| t.pos(pos_image))
     }
-
     pub fn rect_ui(&self, id: PaneId) -> Option<Rect> {
         self.get(id)?.rect_ui
     }
@@ -76,11 +75,11 @@ pub struct MenuPlace {
 /// Describes the content of a pane in few words; with `tiny` only by what distinguishes it from its neighbours.
 pub fn short_description(model: Read<'_>, id: PaneId, tiny: bool) -> String {
     let Some(pane) = model.pane(id) else { return String::new() };
-    let what = what(model, pane, id, tiny);
-    match pane.method {
-        Some(method) if tiny => format!("{}{}", side(model, pane), method.label()),
-        Some(method) => format!("{}{}  ·  {what}", side(model, pane), method.label()),
-        None => format!("{}{what}", side(model, pane)),
+    let (side, what) = (side(model, pane), what(model, pane, id, tiny));
+    match pane.method.map(MethodId::label) {
+        Some(method) if tiny => format!("{side}{method}"),
+        Some(method) => format!("{side}{method}  ·  {what}"),
+        None => format!("{side}{what}"),
     }
 }
 
@@ -97,9 +96,9 @@ fn what(model: Read<'_>, pane: &Pane, id: PaneId, tiny: bool) -> String {
     let slope = format!("({}, {})", canvas::number(cursor.slope.u, 3), canvas::number(cursor.slope.v, 3));
     let number = |id: PaneId| model.document.panes.number(id).unwrap_or(0);
     // The input of some methods is no motion stack.
-    match (pane.method, model.wanted(id).map(|wanted| wanted.kind)) {
-        (Some(_), Some(PictureKind::Frame(t))) => return format!("Frame {t}"),
-        (Some(_), Some(PictureKind::Merge)) => return "Merged frames".to_owned(),
+    match model.wanted(id).map(|wanted| wanted.kind).filter(|_| pane.method.is_some()) {
+        Some(PictureKind::Frame(t)) => return format!("Frame {t}"),
+        Some(PictureKind::Merge) => return "Merged frames".to_owned(),
         _ => {}
     }
     let scale = format!("{}/{}", cursor.octave, cursor.level);
@@ -139,17 +138,14 @@ pub(super) fn canvas_name(model: Read<'_>, id: PaneId) -> String {
     let (Some(pane), Some(number)) = (model.pane(id), model.document.panes.number(id)) else {
         return String::new();
     };
-    let alone = model.document.panes.shown_of(pane.side, pane.method).len() < 2;
-    let named = match pane.method {
-        Some(method) => Some(format!("{}: {}", pane.side.name(), method.label())),
-        None => model.document.workspace.shows_pair().then(|| format!("Picture {}", pane.side.name())),
+    let name = match pane.method {
+        Some(method) => format!("{}: {}", pane.side.name(), method.label()),
+        None if model.document.workspace.shows_pair() => format!("Picture {}", pane.side.name()),
+        None if model.document.panes.are_many() => return format!("Picture {number}"),
+        None => return "Picture".to_owned(),
     };
-    match named {
-        Some(name) if alone => name,
-        Some(name) => format!("{name}, pane {number}"),
-        None if model.document.panes.are_many() => format!("Picture {number}"),
-        None => "Picture".to_owned(),
-    }
+    let is_alone = model.document.panes.shown_of(pane.side, pane.method).len() < 2;
+    if is_alone { name } else { format!("{name}, pane {number}") }
 }
 
 /// Side of a pane with the input of `method` (`None`: without a method); no differences, no slices.

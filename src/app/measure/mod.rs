@@ -65,7 +65,7 @@ pub fn profiles_of(
     line: &MeasuredLine,
 ) -> Vec<(usize, String, Vec<ProfileSample>)> {
     let of = |id: PaneId| {
-        let picture = widgets.get(id)?.picture.shown()?;
+        let picture = widgets.get(id)?.picture.shown.as_ref()?;
         // Each pane shows the line at the same place of the scene.
         let ends = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos));
         let (from, to) = (ends[0]?, ends[1]?);
@@ -82,7 +82,7 @@ fn rect_in(model: Read<'_>, region: &MeasuredRegion, id: PaneId) -> Option<Rect>
 }
 
 pub fn region_in(model: Read<'_>, widgets: &PaneWidgets, region: &MeasuredRegion, id: PaneId) -> Option<PaneRegion> {
-    let picture = widgets.get(id)?.picture.shown()?.clone();
+    let picture = widgets.get(id)?.picture.shown.clone()?;
     let region = picture.region(rect_in(model, region, id)?);
     let (number, name) = name_of(model, id)?;
     Some(PaneRegion { id, number, name, picture, region })

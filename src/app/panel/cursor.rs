@@ -7,6 +7,7 @@ use crate::app::document::cursor::{level_range, octave_range, slope_limit, stepp
 use crate::app::document::{Action, PlayOver, Side};
 use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track, wheel_over};
 use crate::app::results::Read;
+use crate::app::view::nearest;
 use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeGrid};
@@ -67,7 +68,7 @@ fn slope_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let grid = model.cursor_params().slopes;
     let limit = slope_limit(&grid);
     // The slopes of a rotated grid are marked by their components on each axis.
-    let marks = |of: fn(crate::detector::Slope) -> f32| {
+    let marks = |of: fn(Slope) -> f32| {
         let mut marks: Vec<f32> = grid.slopes().map(of).collect();
         marks.sort_by(f32::total_cmp);
         marks.dedup();
@@ -175,9 +176,8 @@ pub fn slope_pad_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
     painter.rect_stroke(rect, 4.0, ui.visuals().widgets.noninteractive.bg_stroke, StrokeKind::Inside);
-    let axis = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
-    painter.hline(rect.x_range(), rect.center().y, axis);
-    painter.vline(rect.center().x, rect.y_range(), axis);
+    painter.hline(rect.x_range(), rect.center().y, ui.visuals().widgets.noninteractive.bg_stroke);
+    painter.vline(rect.center().x, rect.y_range(), ui.visuals().widgets.noninteractive.bg_stroke);
     let found = model.found_of(model.document.focused().side).filter(|f| f.detection.slopes == grid);
     let counts = found.map_or_else(|| vec![0; grid.len()], |found| features_at_slopes(&found.detection));
     let most = counts.iter().copied().max().unwrap_or(0).max(1) as f32;
@@ -283,21 +283,17 @@ fn bars_ui(ui: &Ui, model: Read<'_>, second: bool, rect: Rect, x_of: &dyn Fn(f32
     let height = rect.height() - 3.0;
     for bar in &bars {
         let x = x_of(component(bar.slope));
-        let top = |share: f32| rect.bottom() - share * height;
-        let features =
-            Rect::from_min_max(pos2(x - half, top(bar.features as f32 / most)), pos2(x + half, rect.bottom()));
-        painter.rect_filled(features, 0.0, feature_colour(ui, bar));
-        if bar.evidence > 0.0 {
-            let thin = (0.4 * half).max(0.8);
-            let evidence = Rect::from_min_max(pos2(x - thin, top(bar.evidence / part)), pos2(x + thin, rect.bottom()));
-            painter.rect_filled(evidence, 0.0, crate::app::style::good(ui));
+        let features = (half, bar.features as f32 / most, feature_colour(ui, bar));
+        let evidence = ((0.4 * half).max(0.8), bar.evidence / part, crate::app::style::good(ui));
+        for (half, share, colour) in
+            [Some(features), Some(evidence).filter(|_| bar.evidence > 0.0)].into_iter().flatten()
+        {
+            let heights = rect.bottom() - share * height..=rect.bottom();
+            painter.rect_filled(Rect::from_x_y_ranges(x - half..=x + half, heights), 0.0, colour);
         }
     }
-    let nearest = response.hover_pos().and_then(|pos| {
-        let distance = |bar: &&&crate::inspect::slopes::SlopeBar| (x_of(component(bar.slope)) - pos.x).abs();
-        bars.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
-    });
-    if let Some(bar) = nearest {
+    let near = |pos: egui::Pos2| bars.iter().map(move |bar| ((x_of(component(bar.slope)) - pos.x).abs(), bar));
+    if let Some(bar) = response.hover_pos().and_then(|pos| nearest(near(pos), f32::INFINITY)) {
         response.on_hover_text_at_pointer(bar_text(bar));
     }
 }

@@ -8,7 +8,7 @@ use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
 use crate::app::panel::legend::{KEY_ROOM, ground, motion_key};
-use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui, strip_of_colours};
+use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui, small_text, strip_of_colours};
 use crate::app::results::Read;
 use crate::plane::display::Display;
 use crate::requests::line_of;
@@ -51,9 +51,9 @@ pub fn range_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidg
         return;
     }
     let mut display = model.document.ranges_of(pane).display(class);
-    if state.0[class as usize].ui(ui, pictures.shown(), pictures.visible_image, &mut display) {
-        queue.push(Action::SetDisplay(class, display));
-    }
+    let panel = &mut state.0[class as usize];
+    let is_set = panel.ui(ui, pictures.shown.as_ref(), pictures.visible_image, &mut display);
+    queue.push_if(is_set, Action::SetDisplay(class, display));
 }
 
 fn smoothing_ui(ui: &mut Ui, look: &mut Look) {
@@ -107,12 +107,10 @@ pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown, model: Read<'_>
 fn colouring_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal(|ui| {
         let label = label_ui(ui, "Colour by", 69.0);
-        let (width, choices) =
-            (Some(ui.available_width() - 6.0), ColourBy::choices(model.document.set_up.reads_depths));
-        let mut by = model.document.colour_by;
-        if choice_ui(ui, "colour by", label.id, width, &mut by, choices, ColourBy::name) {
-            queue.push(Action::ColourBy(by));
-        }
+        let choices = ColourBy::choices(model.document.set_up.reads_depths);
+        let (width, mut by) = (Some(ui.available_width() - 6.0), model.document.colour_by);
+        let is_chosen = choice_ui(ui, "colour by", label.id, width, &mut by, choices, ColourBy::name);
+        queue.push_if(is_chosen, Action::ColourBy(by));
     });
 }
 
@@ -136,13 +134,12 @@ pub fn colour_bar_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, rect: Rect) {
     ui.painter().rect_filled(background, 5.0, ground(ui));
     let inner = background.shrink2(vec2(8.0, 5.0));
     let font = TextStyle::Small.resolve(ui.style());
-    let (strong, weak) = (ui.visuals().text_color(), ui.visuals().weak_text_color());
-    ui.painter().text(inner.left_top(), Align2::LEFT_TOP, title, font.clone(), strong);
+    ui.painter().text(inner.left_top(), Align2::LEFT_TOP, title, font, ui.visuals().text_color());
     let bar = Rect::from_min_max(pos2(inner.left(), inner.top() + 14.0), pos2(inner.right(), inner.top() + 25.0));
     bar_ui(ui, bar, &display);
     let (low, high) = (number(display.min, 3), number(display.max, 3));
-    ui.painter().text(inner.left_bottom(), Align2::LEFT_BOTTOM, &low, font.clone(), weak);
-    ui.painter().text(inner.right_bottom(), Align2::RIGHT_BOTTOM, &high, font, weak);
+    small_text(ui, ui.painter(), inner.left_bottom(), Align2::LEFT_BOTTOM, &low);
+    small_text(ui, ui.painter(), inner.right_bottom(), Align2::RIGHT_BOTTOM, &high);
     let response = ui.interact(background, ui.scope_id().with(("colour bar", id)), Sense::hover());
     let text = format!("Colour bar: {title}, from {low} to {high}");
     named(&response, egui::Role::Image, &text);

@@ -53,9 +53,7 @@ impl GlossaryWindow {
         if std::mem::take(&mut self.focus) {
             edit.request_focus();
         }
-        if edit.changed() {
-            self.wanted = None;
-        }
+        self.wanted.take_if(|_| edit.changed());
         ui.add_space(4.0);
         let found = glossary().search(&self.text);
         if found.is_empty() {
@@ -70,9 +68,7 @@ impl GlossaryWindow {
                     let rect = egui::Rect::from_min_max(top, ui.min_rect().right_bottom());
                     ui.scroll_to_rect(rect, Some(egui::Align::TOP));
                     // Scrolls to the entry only once, so that the user can scroll on.
-                    if ui.clip_rect().contains(rect.left_top()) {
-                        self.wanted = None;
-                    }
+                    self.wanted.take_if(|_| ui.clip_rect().contains(rect.left_top()));
                 }
             }
         });
@@ -81,11 +77,8 @@ impl GlossaryWindow {
 
 fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool) {
     ui.horizontal_wrapped(|ui| {
-        let mut title = RichText::new(&word.word).strong();
-        if is_wanted {
-            title = title.color(ui.visuals().hyperlink_color);
-        }
-        ui.label(title);
+        let title = RichText::new(&word.word).strong();
+        ui.label(if is_wanted { title.color(ui.visuals().hyperlink_color) } else { title });
         if let Some(symbol) = &word.symbol {
             ui.label(RichText::new(symbol).monospace().weak()).on_hover_text("Symbol in the paper");
         }

@@ -23,8 +23,7 @@ pub fn controls_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             let text = format!("At {} false on charts of SNR {}", percent(rate.false_fraction), rate.snr);
             let tip = "Each method has the peak threshold at which this share of its detections on the Lab's charts is false. \
                        Untick it for the peak threshold of the search";
-            let mut is_on = true;
-            if ui.checkbox(&mut is_on, text).on_hover_text(tip).changed() {
+            if ui.checkbox(&mut true, text).on_hover_text(tip).changed() {
                 look.same_false_rate = None;
             }
         }
@@ -46,10 +45,8 @@ fn layout_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         ui.spacing_mut().item_spacing.x = 2.0;
         for preset in MethodsPreset::ALL {
             let ([name, help], enabled) = (preset.words(), preset != MethodsPreset::Matches || has_second);
-            let response = ui
-                .add_enabled(enabled, egui::Button::new(name))
-                .on_hover_text(help)
-                .on_disabled_hover_text("Matches need a second burst: open one as B");
+            let button = ui.add_enabled(enabled, egui::Button::new(name)).on_hover_text(help);
+            let response = button.on_disabled_hover_text("Matches need a second burst: open one as B");
             queue.push_if(response.clicked(), Action::ChangePanes(Change::LayOutMethods(preset)));
         }
     });
@@ -150,10 +147,8 @@ fn cells(model: Read<'_>, method: MethodId) -> Vec<String> {
         snrs.get(snrs.len() / 2).map(|median| format!("{median:.1}"))
     });
     let of_pair = PAIR_NUMBERS.map(|(.., of)| counts.and_then(|counts| of(&counts)));
-    let time = found(Side::A).map(|f| match in_time(f.elapsed) {
-        time if time.is_empty() => "kept".to_owned(),
-        time => time.trim_start_matches(" in ").to_owned(),
-    });
+    let time = |time: String| time.strip_prefix(" in ").unwrap_or("kept").to_owned();
+    let time = found(Side::A).map(|f| time(in_time(f.elapsed)));
     let of_search = [count(Side::A).or(state), count(Side::B), snr];
     of_search.into_iter().chain(of_pair).chain([time]).map(or_dash).collect()
 }

@@ -75,11 +75,9 @@ fn take_ui(ui: &mut Ui, take: &mut Option<FrameRange>) {
 fn topic_ui(ui: &mut Ui, topic: &mut Option<String>) {
     let tip = "Topic of a ROS bag or MCAP file that holds the frames, where several have pictures";
     let name = ui.label("Topic").on_hover_text(tip);
-    let mut text = topic.clone().unwrap_or_default();
-    let field = ui.add(TextEdit::singleline(&mut text).hint_text("of a bag with several"));
-    if field.labelled_by(name.id).changed() {
-        *topic = Some(text).filter(|text| !text.is_empty());
-    }
+    let text = topic.get_or_insert_default();
+    ui.add(TextEdit::singleline(text).hint_text("of a bag with several")).labelled_by(name.id);
+    *topic = topic.take().filter(|text| !text.is_empty());
     ui.end_row();
 }
 
@@ -184,9 +182,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>, queu
             close_ui(ui, "Cancel");
         });
     });
-    if !stays {
-        *draft = None;
-    }
+    draft.take_if(|_| !stays);
     choice
 }
 
@@ -211,15 +207,13 @@ fn file_ui(
             queue.push(ActionId::DrawMask);
             ui.close();
         }
-        if let Some(chosen) = path.clone() {
-            if ui.button(format!("Remove {}", label.to_lowercase())).clicked() {
-                *path = None;
-            }
-            let name = chosen.file_name().unwrap_or(chosen.as_os_str()).to_string_lossy();
-            ui.add(egui::Label::new(name).truncate()).on_hover_text(chosen.display().to_string());
-        } else {
+        let Some(chosen) = path.clone() else {
             ui.weak("none");
-        }
+            return;
+        };
+        path.take_if(|_| ui.button(format!("Remove {}", label.to_lowercase())).clicked());
+        let name = chosen.file_name().unwrap_or(chosen.as_os_str()).to_string_lossy();
+        ui.add(egui::Label::new(name).truncate()).on_hover_text(chosen.display().to_string());
     });
 }
 
@@ -227,12 +221,13 @@ fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip
     let mut own = level.is_some();
     ui.checkbox(&mut own, label).on_hover_text(tip);
     *level = own.then_some(level.unwrap_or(default));
-    if let Some(value) = level {
-        let field = DragValue::new(value).range(-1e9..=1e9).speed(1.0).max_decimals(3);
-        ui.add(field).on_hover_text(format!("{label}: {tip}"));
-    } else {
-        ui.weak("from the files");
-    }
+    match level {
+        Some(value) => {
+            let field = DragValue::new(value).range(-1e9..=1e9).speed(1.0).max_decimals(3);
+            ui.add(field).on_hover_text(format!("{label}: {tip}"))
+        }
+        None => ui.weak("from the files"),
+    };
     ui.end_row();
 }
 

@@ -3,12 +3,12 @@
 use crate::app::canvas::number as in_digits;
 use crate::app::canvas::overlay::rgb;
 use crate::app::document::{Action, Queue, Side};
-use crate::app::panel::widgets::{instead_ui, warning_ui};
+use crate::app::panel::widgets::{instead_ui, small_text, warning_ui};
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::noise_model::NoiseModel;
 use crate::plane::display::ColourMap;
 use crate::requests::ViewKind;
-use egui::{Align2, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, vec2};
+use egui::{Align2, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, Ui, vec2};
 
 fn number(value: f32) -> String {
     in_digits(value, 3)
@@ -20,15 +20,12 @@ const MAP_CELLS: usize = 64;
 
 pub fn summary(_: Read<'_>, found: &FoundFeatures) -> Option<[String; 2]> {
     let noise = &found.detection.noise;
+    let sigma = number(noise.frame_noise);
     let text = if noise.is_local {
-        let kept = noise.frames.iter().filter(|f| f.left_out.is_none()).count();
-        format!(
-            "Measured in {kept} of {} frames  ·  σ {} of full scale at middle brightness",
-            noise.frames.len(),
-            number(noise.frame_noise)
-        )
+        let (all, kept) = (noise.frames.len(), noise.frames.iter().filter(|f| f.left_out.is_none()).count());
+        format!("Measured in {kept} of {all} frames  ·  σ {sigma} of full scale at middle brightness")
     } else {
-        format!("White noise  ·  σ {} of full scale", number(noise.frame_noise))
+        format!("White noise  ·  σ {sigma} of full scale")
     };
     Some([text.clone(), text])
 }
@@ -108,11 +105,9 @@ fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
     for point in points {
         painter.circle_filled(place(point.brightness, point.variance.sqrt()), 2.5, ui.visuals().text_color());
     }
-    let font = TextStyle::Small.resolve(ui.style());
-    let colour = ui.visuals().weak_text_color();
-    painter.text(rect.left_top() + vec2(4.0, 2.0), Align2::LEFT_TOP, number(top), font.clone(), colour);
-    painter.text(rect.left_bottom() + vec2(4.0, -2.0), Align2::LEFT_BOTTOM, number(low.max(0.0)), font.clone(), colour);
-    painter.text(rect.right_bottom() + vec2(-4.0, -2.0), Align2::RIGHT_BOTTOM, number(high), font, colour);
+    small_text(ui, &painter, rect.left_top() + vec2(4.0, 2.0), Align2::LEFT_TOP, &number(top));
+    small_text(ui, &painter, rect.left_bottom() + vec2(4.0, -2.0), Align2::LEFT_BOTTOM, &number(low.max(0.0)));
+    small_text(ui, &painter, rect.right_bottom() + vec2(-4.0, -2.0), Align2::RIGHT_BOTTOM, &number(high));
 }
 
 fn map_ui(ui: &mut Ui, model: Read<'_>, noise: &NoiseModel) {
@@ -135,7 +130,5 @@ fn map_ui(ui: &mut Ui, model: Read<'_>, noise: &NoiseModel) {
     }
     let (low, high) = (number(min), number(max));
     let range = if max > min * 1.001 { format!("{low} … {high}") } else { format!("{high} everywhere") };
-    let font = TextStyle::Small.resolve(ui.style());
-    let colour = ui.visuals().weak_text_color();
-    painter.text(rect.left_bottom() + vec2(4.0, -2.0), Align2::LEFT_BOTTOM, range, font, colour);
+    small_text(ui, &painter, rect.left_bottom() + vec2(4.0, -2.0), Align2::LEFT_BOTTOM, &range);
 }

@@ -28,8 +28,8 @@ pub struct PictureState {
     pub readout: Option<Readout>,
     pub visible_image: Option<Rect>,
     pub ui_from_image: Option<canvas::RectTransform>,
-    shown: Option<canvas::Picture>,
-    preview: Option<canvas::Picture>,
+    pub shown: Option<canvas::Picture>,
+    pub preview: Option<canvas::Picture>,
     colours: Colours,
     scale: Memo<(Itself, ColourBy), overlay::ColourScale>,
     /// Numbers of features drawn in full, and in view, as last drawn; `None` without features.
@@ -50,14 +50,6 @@ impl PictureState {
                 _ => canvas_picture(picture),
             });
         }
-    }
-
-    pub fn shown(&self) -> Option<&canvas::Picture> {
-        self.shown.as_ref()
-    }
-
-    pub fn preview(&self) -> Option<&canvas::Picture> {
-        self.preview.as_ref()
     }
 
     /// Motions have the colours of those of the features; of a field of motion, layers that the filter hides are dark.
@@ -104,25 +96,20 @@ impl PictureState {
     pub(in crate::app) fn readout_at(&self, model: Read<'_>, id: PaneId, pos_image: egui::Pos2) -> Option<Readout> {
         let picture = model.picture_in(id)?;
         let is_seen = |shown: &&canvas::Picture| Arc::ptr_eq(&shown.plane, &picture.plane) && self.preview.is_none();
-        let shown = self.shown().filter(is_seen)?;
+        let shown = self.shown.as_ref().filter(is_seen)?;
         let readout = canvas::readout(shown, pos_image, model.full_scale(id))?;
-        let quantity = match RangeClass::of(&picture.request) {
-            RangeClass::Frame | RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => {
-                Quantity::Value
-            }
-            RangeClass::Noise => Quantity::Sigma,
-            RangeClass::Share => Quantity::FramesShare,
-            RangeClass::Motion => match &picture.motion {
-                Some(motion) if motion.field.is_some() => {
-                    let place = (readout.pixel.0 as f32, readout.pixel.1 as f32);
-                    Quantity::Field(motion.field.as_ref().and_then(|field| field.known_at(place.0, place.1)))
-                }
-                Some(motion) => {
+        let (u, v) = readout.pixel;
+        let quantity = match (RangeClass::of(&picture.request), &picture.motion) {
+            (RangeClass::Noise, _) => Quantity::Sigma,
+            (RangeClass::Share, _) => Quantity::FramesShare,
+            (RangeClass::Motion, Some(motion)) => match &motion.field {
+                Some(field) => Quantity::Field(field.known_at(u as f32, v as f32)),
+                None => {
                     let (slope, confidence) = motion.at(readout.pixel);
                     Quantity::Slope { slope, confidence }
                 }
-                None => Quantity::Value,
             },
+            _ => Quantity::Value,
         };
         Some(Readout { quantity, smoothing_px: picture.request.smoothing_px, ..readout })
     }
@@ -175,8 +162,8 @@ fn describe_request(request: &PictureRequest) -> String {
         kind => kind.about().label,
     };
     let at = request.kind.scale().map(|Scale { octave, level }| format!("  ·  octave {octave}, level {level}"));
-    let of =
-        request.kind.slope().map(|Slope { u, v }| format!("  ·  slope ({}, {}) px/frame", fixed(u, 2), fixed(v, 2)));
+    let slope = request.kind.slope().map(|Slope { u, v }| [u, v].map(|part| fixed(part, 2)).join(", "));
+    let of = slope.map(|slope| format!("  ·  slope ({slope}) px/frame"));
     format!("{name}{}{}", at.unwrap_or_default(), of.unwrap_or_default())
 }
 

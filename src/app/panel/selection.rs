@@ -7,7 +7,7 @@ use crate::app::panel::widgets::{draw_plane, named, number_row_ui, section_ui};
 use crate::app::results::{Read, verdict_words};
 use crate::app::view::{KnownOfFeature, depth_text, fixed, layer_text, motion_text, quantity_text};
 use crate::detector::{Descriptor, Feature, MotionLayer, Quantity};
-use crate::inspect::place::{Judged, Verdict};
+use crate::inspect::place::Verdict;
 use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::plane::sample::sample_patch;
@@ -43,7 +43,12 @@ pub fn selection_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         ui.add_space(4.0);
         let judged = model.judged().and_then(|judged| judged.get(index)).cloned();
         if let Some(judged) = &judged {
-            verdict_ui(ui, &feature, judged);
+            let colour = match judged.verdict {
+                Verdict::Real | Verdict::Unclear => ui.visuals().text_color(),
+                Verdict::Ghost | Verdict::Alias | Verdict::Duplicate => crate::app::style::warning(ui),
+            };
+            ui.add(Label::new(RichText::new(verdict_words(Some(&feature), judged)).color(colour)).wrap());
+            ui.add_space(4.0);
         }
         let found = model.found_of(Side::A);
         let layers = found.and_then(|found| found.detection.field.as_ref()).map_or(&[][..], |field| &field.layers);
@@ -52,20 +57,9 @@ pub fn selection_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         ui.add_space(6.0);
         if let Some(descriptor) = found.and_then(|found| found.detection.descriptors.get(index)) {
             ui.label(RichText::new("Descriptor").small().weak());
-            let side = ui.available_width().min(200.0);
-            let colour = ui.visuals().hyperlink_color;
-            descriptor_ui(ui, "Descriptor", descriptor, side, colour);
+            descriptor_ui(ui, "Descriptor", descriptor, ui.available_width().min(200.0));
         }
     });
-}
-
-fn verdict_ui(ui: &mut Ui, feature: &Feature, judged: &Judged) {
-    let colour = match judged.verdict {
-        Verdict::Real | Verdict::Unclear => ui.visuals().text_color(),
-        Verdict::Ghost | Verdict::Alias | Verdict::Duplicate => crate::app::style::warning(ui),
-    };
-    ui.add(Label::new(RichText::new(verdict_words(Some(feature), judged)).color(colour)).wrap());
-    ui.add_space(4.0);
 }
 
 /// Whether it stands in a row with others, or above the numbers.
@@ -133,7 +127,8 @@ const DIRECTIONS: usize = 8;
 
 /// Draws the roses in a square of `side` points, in the feature's own frame: its orientation points to the right.
 /// `name` is for screen readers.
-pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32, colour: Color32) {
+pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32) {
+    let stroke = Stroke::new(1.5, ui.visuals().hyperlink_color);
     let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
     let painter = ui.painter_at(rect.expand(1.0));
     painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
@@ -147,7 +142,7 @@ pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32
             for direction in 0..DIRECTIONS {
                 let value = f32::from(descriptor[(row * CELLS + column) * DIRECTIONS + direction]) / longest;
                 let tip = 0.46 * cell * value * Vec2::angled(angle_of(direction));
-                painter.line_segment([square.center(), square.center() + tip], Stroke::new(1.5, colour));
+                painter.line_segment([square.center(), square.center() + tip], stroke);
             }
         }
     }

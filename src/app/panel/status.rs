@@ -35,26 +35,19 @@ pub fn status_ui(ui: &mut Ui, model: Read<'_>, readout: Option<&str>, queue: &mu
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add(Label::new(RichText::new(burst_text(model)).weak()).truncate());
             notes_ui(ui, model);
-            let opening = [
-                ("Opening…", model.results.slots.a.opening.running()),
-                ("Opening B…", model.results.slots.b.opening.running()),
-            ];
-            if let Some((what, running)) = opening.into_iter().find_map(|(what, busy)| Some((what, busy?))) {
+            let [a, b] = model.results.slots.both();
+            let opening = a.opening.running().map(|running| ("Opening…", running));
+            if let Some((what, running)) = opening.or(b.opening.running().map(|running| ("Opening B…", running))) {
                 let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
-                if model.results.slots.a.burst.is_some() && ui.small_button("Cancel opening").clicked() {
-                    queue.push(ActionId::Cancel);
-                }
+                let cancels = a.burst.is_some() && ui.small_button("Cancel opening").clicked();
+                queue.push_if(cancels, ActionId::Cancel);
                 ui.label(format!("{what} {percent:.0} %"));
             }
             let coherence = "Computing how well the single frames agree on each feature";
+            let figures = "Remaking the figures of the paper";
             for (what, running, cancel, tip) in [
                 ("Coherence", model.results.coherence.running(), ActionId::Cancel, coherence),
-                (
-                    "Figures",
-                    model.results.figures.running(),
-                    ActionId::CancelFigures,
-                    "Remaking the figures of the paper",
-                ),
+                ("Figures", model.results.figures.running(), ActionId::CancelFigures, figures),
             ] {
                 let Some(running) = running else { continue };
                 queue.push_if(ui.small_button(format!("Cancel {}", what.to_lowercase())).clicked(), cancel);
@@ -140,10 +133,10 @@ pub fn left_behind_ui(ui: &mut Ui, own: &Own, queue: &mut Queue) {
     let (sentence, use_it) = own.offer();
     ui.horizontal_wrapped(|ui| {
         ui.label(sentence);
-        let choices = [(use_it, "Set this burst as the one before was", true), ("Dismiss", "Leave it as it is", false)];
-        for (words, tip, uses) in choices {
-            queue.push_if(ui.button(words).on_hover_text(tip).clicked(), Action::TakeLeftBehind(uses));
-        }
+        let uses = ui.button(use_it).on_hover_text("Set this burst as the one before was").clicked();
+        queue.push_if(uses, Action::TakeLeftBehind(true));
+        let dismisses = ui.button("Dismiss").on_hover_text("Leave it as it is").clicked();
+        queue.push_if(dismisses, Action::TakeLeftBehind(false));
     });
 }
 

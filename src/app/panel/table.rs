@@ -170,9 +170,11 @@ pub(in crate::app) fn rows_ui(
     table
         .header(20.0, |mut header| {
             for (column, heading) in headings.iter().enumerate() {
-                let sorted_here = sorted.filter(|(by, _)| *by == column).map(|(_, descending)| descending);
-                let (_, mut cell) =
-                    header.col(|ui| cell_ui(ui, heading_text(heading.text, sorted_here), heading.is_left));
+                let sorted_here = sorted.filter(|(by, _)| *by == column);
+                let arrow = sorted_here.map_or("", |(_, descending)| if descending { " ⏷" } else { " ⏶" });
+                let text = RichText::new(format!("{}{arrow}", heading.text)).small();
+                let text = if arrow.is_empty() { text } else { text.strong() };
+                let (_, mut cell) = header.col(|ui| cell_ui(ui, text, heading.is_left));
                 if sorted.is_some() {
                     named(&cell, egui::Role::Button, format!("Sort by {}", heading.text));
                 }
@@ -202,13 +204,6 @@ pub(in crate::app) fn rows_ui(
         });
     ui.data_mut(|d| d.insert_temp(scroll_id, now_selected));
     clicked
-}
-
-/// A heading; `sorted` is `Some` if the table is sorted by it, and true if the largest come first.
-fn heading_text(heading: &str, sorted: Option<bool>) -> RichText {
-    let arrow = sorted.map_or("", |descending| if descending { " ⏷" } else { " ⏶" });
-    let text = RichText::new(format!("{heading}{arrow}")).small();
-    if sorted.is_some() { text.strong() } else { text }
 }
 
 /// Draws a text at the right end of its cell, or at the left. (The whole table cannot be laid out from the right: cells
@@ -255,9 +250,8 @@ pub fn filter_bar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     }
     if let Some(found) = model.found_of(Side::A).filter(|_| near) {
         let [all, own] = at_slope(&found.detection, model.document.cursor().slope);
-        ui.weak(format!("{own} by their own slope")).on_hover_text(format!(
-            "{all} move with what is sharp here; {own} of all features also by their own slope"
-        ));
+        let tip = format!("{all} move with what is sharp here; {own} of all features also by their own slope");
+        ui.weak(format!("{own} by their own slope")).on_hover_text(tip);
     }
     queue.edit(model.document, Action::SetFilter(filter));
     if !model.document.filter.is_open() {
@@ -307,9 +301,7 @@ fn one_of_ui<T: PartialEq + Copy>(
 /// Draws a switch for each layer, and one for the features of none, each with a button that shows it alone; nothing
 /// without a field.
 fn layers_ui(ui: &mut Ui, model: Read<'_>, filter: &mut Filter) {
-    let Some(field) = model.found_of(Side::A).and_then(|found| found.detection.field.clone()) else {
-        return;
-    };
+    let Some(field) = model.found_of(Side::A).and_then(|found| found.detection.field.as_ref()) else { return };
     ui.horizontal_top(|ui| {
         label_ui(ui, "Layers", 70.0).on_hover_text(Quantity::Layer.record().help);
         let names = (1..).zip(&field.layers).map(|(number, layer)| (number, layer_text(number, layer)));

@@ -25,13 +25,10 @@ pub fn summary(_: Read<'_>, found: &FoundFeatures) -> Option<[String; 2]> {
         NoiseGate::Factor(k) => format!("{k} σ"),
         word => format!("{word}, {:.2} σ", detection.noise_gate_factor),
     };
-    let text = format!(
-        "Frame noise {} of full scale  ·  noise gate {gate}  ·  {}  ·  octaves {} … {}",
-        number(detection.frame_noise, 3),
-        counted(detection.slopes.len(), "slope"),
-        detection.octaves.start,
-        detection.octaves.end - 1,
-    );
+    let (noise, slopes) = (number(detection.frame_noise, 3), counted(detection.slopes.len(), "slope"));
+    let (first, last) = (detection.octaves.start, detection.octaves.end - 1);
+    let text =
+        format!("Frame noise {noise} of full scale  ·  noise gate {gate}  ·  {slopes}  ·  octaves {first} … {last}");
     Some([text.clone(), text])
 }
 
@@ -49,27 +46,23 @@ pub fn tally_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let survey = model.survey_counts();
         head_ui(ui, survey.is_some());
         let most = tally.rejected.iter().copied().max().unwrap_or(0).max(tally.kept).max(1);
-        line_ui(ui, &Row { name: "Samples of D examined", samples: tally.samples, candidates: None, bar: None }, None);
+        line_ui(ui, "Samples of D examined", [Some(tally.samples), None], None, None);
         if tally.not_searched > 0 {
-            let row = Row { name: NOT_SEARCHED, samples: tally.not_searched, candidates: None, bar: None };
-            line_ui(ui, &row, None);
+            line_ui(ui, NOT_SEARCHED, [Some(tally.not_searched), None], None, None);
         }
         // Without masks nothing is told of them.
         let told = |test: &Test| *test != Test::Seen || tally.rejected_by(*test) > 0;
         for test in Test::ALL.into_iter().filter(told) {
-            let candidates = survey
-                .as_ref()
-                .and_then(|survey| survey.counts.iter().find(|count| count.test == test).map(|count| count.candidates));
-            let bar = Some((most, false));
-            let row = Row { name: test.reason(), samples: tally.rejected_by(test), candidates, bar };
+            let counted = survey.and_then(|survey| survey.counts.iter().find(|count| count.test == test));
+            let counts = [Some(tally.rejected_by(test)), counted.map(|count| count.candidates)];
             let mut shown = model.document.shown_test == Some(test);
             let before = shown;
-            line_ui(ui, &row, test.takes_candidates().then_some(&mut shown));
+            let bar = Some((most, ui.visuals().weak_text_color()));
+            line_ui(ui, test.reason(), counts, bar, test.takes_candidates().then_some(&mut shown));
             queue.push_if(shown != before, Action::ShowTest(shown.then_some(test)));
         }
-        let kept = survey.as_ref().map(|survey| survey.kept);
-        let row = Row { name: "Kept: keypoints", samples: tally.kept, candidates: kept, bar: Some((most, true)) };
-        line_ui(ui, &row, None);
+        let counts = [Some(tally.kept), survey.map(|survey| survey.kept)];
+        line_ui(ui, "Kept: keypoints", counts, Some((most, crate::app::style::ACCENT)), None);
         let words = |decoys: &Arc<Decoys>| (format!("Decoys: {}", decoys.report.sentence()), decoys.report.doubt());
         decoys_ui(ui, model, "False rate…", model.decoys().map(words), queue);
         crate::app::panel::noise::warnings_ui(ui, found);
@@ -117,14 +110,6 @@ const NAME_WIDTH: f32 = 250.0;
 /// Width of each count, points.
 const COUNT_WIDTH: f32 = 96.0;
 
-struct Row<'a> {
-    name: &'a str,
-    samples: u64,
-    candidates: Option<u64>,
-    /// Count shown by the bar, and whether it is that of the kept ones.
-    bar: Option<(u64, bool)>,
-}
-
 fn head_ui(ui: &mut Ui, with_candidates: bool) {
     ui.horizontal(|ui| {
         let hint = RichText::new("Click a test to see its candidates in the picture").small().weak();
@@ -148,29 +133,27 @@ fn count_ui(ui: &mut Ui, text: RichText) -> egui::Response {
     .inner
 }
 
-/// The bar's length grows with the logarithm of the count. With `shown` the name is a switch.
-fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
+/// Draws the counts of samples and of candidates after a name, which is a switch with `shown`, and a bar beside the
+/// longest one, whose length grows with the logarithm of the samples.
+fn line_ui(ui: &mut Ui, name: &str, counts: [Option<u64>; 2], bar: Option<(u64, Color32)>, shown: Option<&mut bool>) {
     ui.horizontal(|ui| {
         if let Some(shown) = shown {
             let size = vec2(NAME_WIDTH, ui.spacing().interact_size.y);
             ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 ui.set_min_width(NAME_WIDTH);
                 let tip = "Show the candidates that fail this test first in the picture, coloured by how far they fail";
-                ui.toggle_value(shown, row.name).on_hover_text(tip);
+                ui.toggle_value(shown, name).on_hover_text(tip);
             });
         } else {
-            label_ui(ui, row.name, NAME_WIDTH);
+            label_ui(ui, name, NAME_WIDTH);
         }
-        count_ui(ui, RichText::new(grouped(row.samples)).monospace());
-        if let Some(candidates) = row.candidates {
-            count_ui(ui, RichText::new(grouped(candidates)).monospace());
+        for count in counts.into_iter().flatten() {
+            count_ui(ui, RichText::new(grouped(count)).monospace());
         }
-        if let Some((most, kept)) = row.bar {
+        if let Some((most, colour)) = bar {
             let room = (ui.available_width() - 8.0).clamp(40.0, 420.0);
             let (rect, response) = ui.allocate_exact_size(vec2(room, 10.0), Sense::hover());
-            let count = row.samples;
-            let share = if count == 0 { 0.0 } else { (1.0 + count as f32).ln() / (1.0 + most as f32).ln() };
-            let colour = if kept { crate::app::style::ACCENT } else { ui.visuals().weak_text_color() };
+            let share = (1.0 + counts[0].unwrap_or(0) as f32).ln() / (1.0 + most as f32).ln();
             ui.painter().rect_filled(rect, 2.0, ui.visuals().faint_bg_color);
             ui.painter().rect_filled(Rect::from_min_size(rect.min, vec2(room * share, 10.0)), 2.0, colour);
             response.on_hover_text("Logarithm of the number of samples");
@@ -210,8 +193,7 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
         if survey.marks.len() > shown.len() { format!(" (the {} strongest)", shown.len()) } else { String::new() };
     let min_snr = crate::inspect::place::SurveyOptions::default().min_snr;
     let all = counted(survey.marks.len(), "candidate");
-    let text = format!("{all}{more}: {}; SNR ≥ {min_snr}", test.reason());
-    note_ui(ui, output, &text);
+    note_ui(ui, output, &format!("{all}{more}: {}; SNR ≥ {min_snr}", test.reason()));
     let clip = output.painter.clip_rect();
     let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos)) else { return };
     let pointed = circle_at(output, &circles, pointer).map(|place| shown[place]);

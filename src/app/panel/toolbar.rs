@@ -17,7 +17,13 @@ pub fn toolbar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal(|ui| {
         button_ui(ui, model, queue, ActionId::OpenFolder, Some("Open…"));
         ui.separator();
-        kind_switch_ui(ui, model, queue);
+        let kinds = ui.scope(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            for kind in ViewKind::OF_CURSOR {
+                button_ui(ui, model, queue, shown_by(kind), Some(kind.label()));
+            }
+        });
+        mark(ui, Part::Kinds, kinds.response.rect);
         ui.separator();
         let before = ui.cursor().left();
         detect_ui(ui, model, queue);
@@ -32,16 +38,6 @@ pub fn toolbar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             }
         });
     });
-}
-
-fn kind_switch_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    let kinds = ui.scope(|ui| {
-        ui.spacing_mut().item_spacing.x = 2.0;
-        for kind in ViewKind::OF_CURSOR {
-            button_ui(ui, model, queue, shown_by(kind), Some(kind.label()));
-        }
-    });
-    mark(ui, Part::Kinds, kinds.response.rect);
 }
 
 fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
@@ -70,14 +66,10 @@ fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     } else if let Some(found) = &model.results.slots.a.found {
         let text = format!("{}{}", counted(model.features().len(), "feature"), in_time(found.elapsed));
         let times = &found.detection.times;
-        let stages = format!(
-            "Of {}: one has a feature for each of its orientations\nNoise {:.2} s, search {:.2} s, descriptors {:.2} s",
-            counted(found.detection.tally.kept as usize, "keypoint"),
-            times.noise_secs,
-            times.search_secs,
-            times.describe_secs
-        );
-        ui.weak(text).on_hover_text(stages);
+        let kept = counted(found.detection.tally.kept as usize, "keypoint");
+        let secs = [times.noise_secs, times.search_secs, times.describe_secs].map(|secs| format!("{secs:.2} s"));
+        let stages = format!("Noise {}, search {}, descriptors {}", secs[0], secs[1], secs[2]);
+        ui.weak(text).on_hover_text(format!("Of {kept}: one has a feature for each of its orientations\n{stages}"));
     }
 }
 
@@ -92,19 +84,15 @@ fn activity(model: Read<'_>) -> Option<(&'static str, Running)> {
 }
 
 fn pair_found_ui(ui: &mut Ui, model: Read<'_>) {
-    let counts: Vec<String> = Side::BOTH
-        .into_iter()
-        .filter_map(|side| Some(model.found_of(side)?.detection.features.len().to_string()))
-        .collect();
+    let count = |side| Some(model.found_of(side)?.detection.features.len().to_string());
+    let counts: Vec<String> = Side::BOTH.into_iter().filter_map(count).collect();
     if counts.is_empty() {
         return;
     }
     let noun = if counts == ["1"] { "feature" } else { "features" };
-    let mut text = format!("{} {noun}", counts.join(" + "));
-    if let Some(matches) = &model.results.pair.matches {
-        text += &format!(", {}{}", counted(matches.len(), "match"), in_time(matches.elapsed));
-    }
-    ui.weak(text);
+    let matches = model.results.pair.matches.as_ref();
+    let matches = matches.map(|m| format!(", {}{}", counted(m.len(), "match"), in_time(m.elapsed)));
+    ui.weak(format!("{} {noun}{}", counts.join(" + "), matches.unwrap_or_default()));
 }
 
 #[cfg(test)]

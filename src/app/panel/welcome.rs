@@ -29,7 +29,7 @@ pub fn welcome_ui(ui: &mut Ui, model: Read<'_>, remembered: &Settings, lessons: 
             [ActionId::OpenFolder, ActionId::OpenFiles, ActionId::OpenDataset, ActionId::OpenPath, ActionId::OpenDemo]
         {
             let action = id.action();
-            let keys = action.shortcut.as_ref().map_or_else(String::new, |s| keys_text(ui.ctx(), s));
+            let keys = action.shortcut.map(|shortcut| keys_text(ui.ctx(), &shortcut)).unwrap_or_default();
             let button = egui::Button::new(action.label).right_text(RichText::new(keys).weak());
             let response = ui.add(button.min_size(vec2(280.0, 28.0)));
             named(&response, egui::Role::Button, action.label);

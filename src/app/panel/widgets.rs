@@ -221,6 +221,11 @@ pub fn strip_of_colours(painter: &Painter, rect: Rect, count: usize, colour: imp
     painter.add(Shape::mesh(mesh));
 }
 
+/// Draws a small and weak text by `painter`.
+pub fn small_text(ui: &Ui, painter: &Painter, pos_ui: egui::Pos2, align: egui::Align2, text: &str) {
+    painter.text(pos_ui, align, text, egui::TextStyle::Small.resolve(ui.style()), ui.visuals().weak_text_color());
+}
+
 pub fn dashed_circle(painter: &Painter, centre: egui::Pos2, radius: f32, stroke: Stroke, (dash, gap): (f32, f32)) {
     let point = |i: u8| centre + radius * egui::Vec2::angled(f32::from(i) / 48.0 * std::f32::consts::TAU);
     painter.extend(Shape::dashed_line(&(0..=48).map(point).collect::<Vec<_>>(), stroke, dash, gap));

@@ -142,6 +142,12 @@ pub fn layer_text(number: i32, layer: &MotionLayer) -> String {
     format!("{number}: ({u}, {v}) px/frame, {} %{moves}", fixed(100.0 * layer.share, 0))
 }
 
+/// The item with the smallest of the distances, of which none beyond `reach` counts.
+pub fn nearest<T>(items: impl IntoIterator<Item = (f32, T)>, reach: f32) -> Option<T> {
+    let near = items.into_iter().filter(|(distance, _)| *distance <= reach);
+    near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, item)| item)
+}
+
 /// Formats a number with `digits` significant digits, without trailing zeros: `0.0123`, `1234`, `−3.2e−7`, `NaN`.
 pub fn number(value: f32, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {

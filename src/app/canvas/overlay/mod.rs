@@ -16,6 +16,7 @@ pub use fans::{add_fan, draw_field};
 pub use match_lines::{MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
 
 use super::{CanvasOutput, RectTransform};
+use crate::app::view::nearest;
 use crate::burst::Positions;
 use crate::detector::feature::Feature;
 use crate::export::motion_over;
@@ -137,9 +138,9 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
 fn is_visible(output: &CanvasOutput, feature: &Feature, positions: &Positions) -> bool {
     let [first, last] = motion_over(feature, positions).map(Pos2::from);
     let reach = feature.circle_radius_px() + 4.0 / output.ui_from_image.scale();
+    let circle = Rect::from_center_size(pos2(feature.u, feature.v), Vec2::splat(2.0 * reach));
     // The arrow may be in view where the circle is not.
-    let bounds = egui::Rect::from_two_pos(first, last)
-        .union(egui::Rect::from_center_size(pos2(feature.u, feature.v), egui::Vec2::splat(2.0 * reach)));
+    let bounds = Rect::from_two_pos(first, last).union(circle);
     bounds.is_finite() && bounds.intersects(output.visible_image)
 }
 
@@ -147,8 +148,7 @@ const TOLERANCE_POINTS: f32 = 7.0;
 
 pub fn dot_at(features: &[Feature], dots: &[usize], ui_from_image: RectTransform, pos_ui: Pos2) -> Option<usize> {
     let distance = |i: usize| ui_from_image.pos(pos2(features[i].u, features[i].v)).distance(pos_ui);
-    let near = dots.iter().map(|&i| (distance(i), i));
-    near.filter(|(distance, _)| *distance <= TOLERANCE_POINTS).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
+    nearest(dots.iter().map(|&i| (distance(i), i)), TOLERANCE_POINTS)
 }
 
 /// The feature with the nearest centre or circle line within a few points; otherwise the smallest circle around.
@@ -235,8 +235,7 @@ pub fn circle_at(output: &CanvasOutput, marks: &[CircleMark], pointer_ui: Pos2) 
         let distance = t.pos(mark.pos_image).distance(pointer_ui);
         distance.min((distance - mark.radius_image() * t.scale()).abs())
     };
-    let near = marks.iter().enumerate().map(|(index, mark)| (index, apart(mark))).filter(|(_, d)| *d <= REACH_POINTS);
-    near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
+    nearest(marks.iter().enumerate().map(|(index, mark)| (apart(mark), index)), REACH_POINTS)
 }
 
 #[cfg(test)]

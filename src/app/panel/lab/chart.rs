@@ -5,6 +5,7 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Lab, LabSet};
 use crate::app::panel::widgets::{WHOLE, dashed_circle, dots_ui, draw_plane, named, weak_ui};
 use crate::app::results::Read;
+use crate::app::view::nearest;
 use crate::inspect::result::Scored;
 use crate::inspect::words::number;
 use crate::plane::display::Display;
@@ -143,19 +144,14 @@ fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Scored]) {
             dashed_circle(&painter, centre, radius, Stroke::new(1.4, MISSED), (4.0, 3.0));
             "Missed"
         };
-        let text = format!(
-            "{what}: disc of radius {} px, slope ({}, {}) px/frame",
-            number(disc.radius as f32, 1),
-            number(disc.slope_u as f32, 2),
-            number(disc.slope_v as f32, 2)
-        );
-        marks.push((centre, radius, text));
+        let slope = [disc.slope_u, disc.slope_v].map(|slope| number(slope as f32, 2)).join(", ");
+        let px = number(disc.radius as f32, 1);
+        marks.push((centre, radius, format!("{what}: disc of radius {px} px, slope ({slope}) px/frame")));
     }
     named(&response, egui::Role::Image, format!("Chart with {} discs", looked.truth.features.len()));
     let Some(pos) = response.hover_pos() else { return };
     let pointed = marks.iter().filter(|(centre, radius, _)| centre.distance(pos) <= radius.max(4.0));
-    let nearest = pointed.min_by(|a, b| a.0.distance(pos).total_cmp(&b.0.distance(pos)));
-    if let Some((.., text)) = nearest {
+    if let Some(text) = nearest(pointed.map(|(centre, _, text)| (centre.distance(pos), text)), f32::INFINITY) {
         response.on_hover_text_at_pointer(text);
     }
 }

@@ -4,16 +4,17 @@ use super::curve_colour;
 use crate::app::document::{Action, CompareLook, LabSet, MethodId, Queue, Side};
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::results::{LabResult, Read};
+use crate::app::view::nearest;
 use crate::detector::ParamChange;
 use crate::detector::params::doc;
+use crate::evaluate::BurstMethod;
 use crate::evaluate::curves::{StudyCurve, StudyPlot, percent};
 use crate::export::SeriesPoint;
 use crate::inspect::words::number;
 use crate::study::{SameFalseRate, StudyPoint};
-use egui::{Color32, Label, Pos2, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
+use egui::{Color32, Label, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 use egui_plot::{Line, LineStyle, PlotPoint, PlotPoints, PlotUi, Points};
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 
 /// Maximum distance of the pointer from a point, in points of the window.
 const REACH_UI: f32 = 14.0;
@@ -93,16 +94,13 @@ pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 fn same_false_rate_ui(ui: &mut Ui, model: Read<'_>, rate: SameFalseRate, queue: &mut Queue) {
     let method = MethodId::of_search(&model.params_of(Side::A));
     let own = rate.of(method.of_studies());
-    let mut tip = format!(
-        "Peak thresholds at which {} of the detections on charts of SNR {} is false, as the paper compares methods:",
-        percent(rate.false_fraction),
-        rate.snr
-    );
-    for (method, threshold) in &rate.peak_thresholds {
-        let _ = write!(tip, "\n{}  {}", method.label(), number(*threshold, 3));
-    }
-    tip += "\nMethods compares at these; the search takes that of its own method. They hold for bursts as dark as the charts.";
-    let text = format!("Search at {} false", percent(rate.false_fraction));
+    let (share, snr) = (percent(rate.false_fraction), rate.snr);
+    let line = |(method, threshold): &(_, _)| format!("{}  {}\n", BurstMethod::label(*method), number(*threshold, 3));
+    let lines: String = rate.peak_thresholds.iter().map(line).collect();
+    let tip = format!(
+        "Peak thresholds at which {share} of the detections on charts of SNR {snr} is false, as the paper compares methods:\n{lines}"
+    ) + "Methods compares at these; the search takes that of its own method. They hold for bursts as dark as the charts.";
+    let text = format!("Search at {share} false");
     ui.horizontal(|ui| {
         if ui.button(text).on_hover_text(tip).clicked() {
             if let Some(threshold) = own {
@@ -220,7 +218,8 @@ fn plot_ui(
     named(&drawn.response, Role::Image, format!("Plot: {title}, {} curves", curves.len()));
     let pos = drawn.response.hover_pos()?;
     let at = |point: &SeriesPoint| drawn.transform.position_from_point(&PlotPoint::new(point.x, point.y));
-    let (one, point) = nearest(curves, pos, at)?;
+    let points = curves.iter().flat_map(|one| one.curve.line.points.iter().map(move |point| (one, point)));
+    let (one, point) = nearest(points.map(|of| (at(of.1).distance(pos), of)), REACH_UI)?;
     let clicked = drawn.response.clicked();
     let value = |y: f64| number(y as f32, 2);
     let spread = point.spread.map_or_else(String::new, |[low, high]| format!(" ({} to {})", value(low), value(high)));
@@ -249,12 +248,4 @@ fn draw_curve(area: &mut PlotUi<'_>, model: Read<'_>, one: &Drawn, marks_points:
             area.points(Points::new("", [point.x, point.y]).color(colour).radius(radius).filled(true));
         }
     }
-}
-
-/// Point nearest to the pointer within reach; `at` maps a point to the window.
-fn nearest(curves: &[Drawn], pos_ui: Pos2, at: impl Fn(&SeriesPoint) -> Pos2) -> Option<(&Drawn, &SeriesPoint)> {
-    let points = curves.iter().flat_map(|one| one.curve.line.points.iter().map(move |point| (one, point)));
-    let near = points.map(|(one, point)| (at(point).distance(pos_ui), one, point));
-    let nearest = near.filter(|(distance, ..)| *distance < REACH_UI).min_by(|a, b| a.0.total_cmp(&b.0));
-    nearest.map(|(_, one, point)| (one, point))
 }

@@ -5,11 +5,12 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Lab};
 use crate::app::panel::widgets::{WHOLE, dots_ui, draw_plane, named, weak_ui};
 use crate::app::results::Read;
+use crate::app::view::nearest;
 use crate::detector::Test;
 use crate::inspect::words::number;
 use crate::plane::display::{ColourMap, Display};
 use crate::recover::{Planted, RecoverReport};
-use egui::{Label, Pos2, Rect, RichText, Sense, Stroke, Ui, vec2};
+use egui::{Label, Rect, RichText, Sense, Stroke, Ui, vec2};
 
 /// Maximum distance of the pointer from a thing, in points of the window.
 const REACH_UI: f32 = 10.0;
@@ -82,11 +83,8 @@ fn map_ui(ui: &mut Ui, model: Read<'_>, report: &RecoverReport) -> Option<(u64, 
         };
     }
     named(&response, egui::Role::Image, format!("Map of {} planted things", report.planted.len()));
-    let nearest = |pos: Pos2| {
-        let near = in_range().map(|one| (pos_ui(one).distance(pos), one)).filter(|(distance, _)| *distance < REACH_UI);
-        near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, one)| one)
-    };
-    let pointed = response.hover_pos().and_then(nearest)?;
+    let pos = response.hover_pos()?;
+    let pointed = nearest(in_range().map(|one| (pos_ui(one).distance(pos), one)), REACH_UI)?;
     let clicked = response.clicked().then_some((pointed.seed, pointed.truth.id));
     response.on_hover_text_at_pointer(thing_text(pointed));
     clicked
@@ -106,11 +104,10 @@ fn thing_text(one: &Planted) -> String {
     let (snr, frames) = (number(one.snr as f32, 3), one.frames);
     let [radius, u, v] = [t.radius, t.u, t.v].map(|px| number(px as f32, 1));
     let [slope_u, slope_v] = [t.slope_u, t.slope_v].map(|slope| number(slope as f32, 2));
-    let what = format!(
-        "SNR {snr}, radius {radius} px, slope ({slope_u}, {slope_v}) px/frame at ({u}, {v}), in {frames} frames"
-    );
-    let expected =
-        one.expected_snr_d.map_or_else(String::new, |snr| format!("; {} σ in D expected", number(snr as f32, 1)));
+    let slope = format!("slope ({slope_u}, {slope_v}) px/frame at ({u}, {v})");
+    let what = format!("SNR {snr}, radius {radius} px, {slope}, in {frames} frames");
+    let expected = one.expected_snr_d.map(|snr| format!("; {} σ in D expected", number(snr as f32, 1)));
+    let expected = expected.unwrap_or_default();
     match one.found {
         Some(found) => format!("Found with {} σ: {what}{expected}", number(found.snr, 1)),
         None => format!("Missed, {}: {what}{expected}", one.why),

@@ -2,14 +2,14 @@
 
 use super::{apply_ui, go_to_ui};
 use crate::app::document::{Action, Queue};
-use crate::app::panel::widgets::{named, weak_ui};
+use crate::app::panel::widgets::{named, small_text, weak_ui};
 use crate::app::results::Read;
 use crate::app::style;
 use crate::detector::Test;
 use crate::inspect::place::{Fate, Needed, Outcome, Probe, ProbeSubject, TestReport};
 use crate::inspect::words::{number, sentence, slope_text, value_text};
 use crate::requests::{ProbeQuestion, Probed};
-use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, TextStyle, Ui, vec2};
+use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, Ui, vec2};
 use std::ops::Range;
 
 const ROW: f32 = 18.0;
@@ -74,9 +74,8 @@ fn list_ui(ui: &mut Ui, answer: &Probed, listed: Range<usize>, queue: &mut Queue
     area.show_rows(ui, ROW, fates.len(), |ui, rows| {
         for row in rows {
             let (index, fate) = (first + row, &fates[row]);
-            if row_ui(ui, &answer.probe, index, answer.probe.subject.fate == Some(index)) {
-                queue.push(Action::ProbeSubject(ProbeSubject::Candidate(fate.of_sample())));
-            }
+            let is_clicked = row_ui(ui, &answer.probe, index, answer.probe.subject.fate == Some(index));
+            queue.push_if(is_clicked, Action::ProbeSubject(ProbeSubject::Candidate(fate.of_sample())));
         }
     });
     ui.spacing_mut().item_spacing.y = spacing;
@@ -91,12 +90,9 @@ const COLUMNS: [(f32, Align2); 5] = {
 
 fn heading_ui(ui: &mut Ui) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    let colour = ui.visuals().weak_text_color();
-    let font = TextStyle::Small.resolve(ui.style());
     let names = ["away", "σ px", "slope", "SNR", "fails first at"];
     for (name, (x, align)) in names.into_iter().zip(COLUMNS) {
-        let pos = egui::pos2(rect.left() + x * rect.width(), rect.center().y);
-        ui.painter().text(pos, align, name, font.clone(), colour);
+        small_text(ui, ui.painter(), egui::pos2(rect.left() + x * rect.width(), rect.center().y), align, name);
     }
     response.on_hover_text(
         "Samples that are extrema in place and scale at their own slope, however weak; away: px from the place\n\

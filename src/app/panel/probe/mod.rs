@@ -118,19 +118,13 @@ fn place_ui(ui: &mut Ui, side: Side, (index, place): (usize, &PinnedPlace), queu
 }
 
 fn busy_ui(ui: &mut Ui, model: Read<'_>) {
-    let waits = model.document.probe.question.is_some()
-        && model.results.probed.answer.is_none()
-        && model.results.probed.problem.is_none();
-    match (
-        model.results.probed.wanted_trail.running(),
-        model.results.slots[model.document.probe.side].detecting.running(),
-    ) {
-        (Some(running), _) | (None, Some(running)) if model.document.probe.is_on() => {
-            let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
-            progress_ui(ui, &running, None, &format!("Searching  {percent:.0} %"));
-        }
-        _ if waits => _ = ui.weak("Probing…"),
-        _ => {}
+    let (asked, probed) = (&model.document.probe, &model.results.probed);
+    let running = probed.wanted_trail.running().or(model.results.slots[asked.side].detecting.running());
+    if let Some(running) = running.filter(|_| asked.is_on()) {
+        let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
+        progress_ui(ui, &running, None, &format!("Searching  {percent:.0} %"));
+    } else if asked.question.is_some() && probed.answer.is_none() && probed.problem.is_none() {
+        ui.weak("Probing…");
     }
 }
 
@@ -155,12 +149,8 @@ fn reasons_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) 
         ui.add(Label::new(sentence(&reason.sentence)).wrap()).on_hover_text(help);
         if reason.change.is_some() || reason.feature.is_some() {
             ui.horizontal_wrapped(|ui| {
-                if let Some(change) = &reason.change {
-                    apply_ui(ui, model, change, queue);
-                }
-                if let Some(feature) = reason.feature {
-                    go_to_feature_ui(ui, model, answer, feature, queue);
-                }
+                reason.change.iter().for_each(|change| apply_ui(ui, model, change, queue));
+                reason.feature.iter().for_each(|feature| go_to_feature_ui(ui, model, answer, *feature, queue));
             });
         }
         if reason.kind == CauseKind::AtAnotherSlope && model.document.look.overlay == FeaturesShown::ThisSlope {
@@ -168,7 +158,7 @@ fn reasons_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) 
         }
     }
     for &feature in &model.results.probed.as_dots {
-        let text = format!("Feature {} was found here, but is drawn as a dot: stronger ones take the room.", feature);
+        let text = format!("Feature {feature} was found here, but is drawn as a dot: stronger ones take the room.");
         ui.add(Label::new(text).wrap()).on_hover_text("Zoom in, or select it, to see it in full");
         go_to_feature_ui(ui, model, answer, feature, queue);
     }
@@ -185,25 +175,24 @@ fn go_to_ui(ui: &mut Ui, model: Read<'_>, feature: Option<usize>, place: ([f32; 
     let ([u, v], slope) = place;
     let label = feature.map_or_else(|| "Go to the other one".to_owned(), |index| format!("Go to feature {index}"));
     let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(slope));
-    if ui.button(label).on_hover_text(tip).clicked() {
-        let side = model.document.probe.side;
-        queue.push_if(feature.is_some() && side == Side::A, Action::Select(feature));
-        let to = Destination { slope: Some(slope), at: Some(([u, v], 1.0)), ..Destination::default() };
-        queue.push(Action::GoTo(side, to));
-    }
+    let (is_clicked, side) = (ui.button(label).on_hover_text(tip).clicked(), model.document.probe.side);
+    queue.push_if(is_clicked && feature.is_some() && side == Side::A, Action::Select(feature));
+    let to = Destination { slope: Some(slope), at: Some(([u, v], 1.0)), ..Destination::default() };
+    queue.push_if(is_clicked, Action::GoTo(side, to));
 }
 
 fn apply_ui(ui: &mut Ui, model: Read<'_>, change: &ParamChange, queue: &mut Queue) {
-    let button = ui.add_enabled(model.takes_advice(model.document.probe.side), egui::Button::new("Apply"));
-    let response =
-        button.on_hover_text(format!("Set {} and detect again; Undo reverts it\n{}", change.label(), change.option()));
-    named(&response, egui::Role::Button, format!("Apply {}", change.label()));
+    let (side, label) = (model.document.probe.side, change.label());
+    let button = ui.add_enabled(model.takes_advice(side), egui::Button::new("Apply"));
+    let tip = format!("Set {label} and detect again; Undo reverts it\n{}", change.option());
+    let response = button.on_hover_text(tip);
+    named(&response, egui::Role::Button, format!("Apply {label}"));
     if response.clicked() {
-        queue.push(Action::ApplyChanges(model.document.probe.side, vec![change.clone()]));
+        queue.push(Action::ApplyChanges(side, vec![change.clone()]));
         queue.push_if(!model.document.auto_detect, ActionId::Detect);
     }
-    ui.label(RichText::new(change.label()).weak());
-    if let Some(price) = model.price_text(model.document.probe.side, change) {
+    ui.label(RichText::new(label).weak());
+    if let Some(price) = model.price_text(side, change) {
         ui.add(Label::new(price).wrap());
     }
 }
@@ -245,9 +234,7 @@ fn suspicion_ui(ui: &mut Ui, model: Read<'_>, suspicion: &Suspicion, queue: &mut
         return;
     }
     ui.horizontal_wrapped(|ui| {
-        if let Some(change) = &suspicion.change {
-            apply_ui(ui, model, change, queue);
-        }
+        suspicion.change.iter().for_each(|change| apply_ui(ui, model, change, queue));
         if let Some(other) = suspicion.other
             && ui.button(format!("Probe feature {other}")).on_hover_text("Show why that feature was kept").clicked()
         {

@@ -4,7 +4,7 @@
 use super::strength_text;
 use crate::app::canvas::overlay::rgb;
 use crate::app::document::{Action, Destination, Queue};
-use crate::app::panel::widgets::{WHOLE, draw_plane, named, weak_ui};
+use crate::app::panel::widgets::{WHOLE, draw_plane, named, small_text, weak_ui};
 use crate::app::results::Read;
 use crate::detector::Slope;
 use crate::inspect::place::{Fate, FineAxis, MapScale, PlaceMotion, ProbeSubject, ResponseMap, outline};
@@ -83,8 +83,7 @@ fn scales_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
 }
 
 fn small_ui(ui: &Ui, at: Pos2, text: &str) {
-    let font = TextStyle::Small.resolve(ui.style());
-    ui.painter().text(at, Align2::RIGHT_CENTER, text, font, ui.visuals().weak_text_color());
+    small_text(ui, ui.painter(), at, Align2::RIGHT_CENTER, text);
 }
 
 /// Draws the response over both slopes at one scale, where both were searched.
@@ -154,13 +153,8 @@ fn go_to(model: Read<'_>, slope: Slope, scale: &MapScale) -> Action {
 }
 
 fn reading(slope: Slope, scale: &MapScale, value: &str) -> String {
-    format!(
-        "{value}\nslope {} px/frame\nσ {} px (octave {}, level {})\nClick to go there",
-        slope_text(slope),
-        number(scale.sigma, 2),
-        scale.octave,
-        scale.level
-    )
+    let (slope, sigma, MapScale { octave, level, .. }) = (slope_text(slope), number(scale.sigma, 2), scale);
+    format!("{value}\nslope {slope} px/frame\nσ {sigma} px (octave {octave}, level {level})\nClick to go there")
 }
 
 /// The gate, in the unit of the map's values; `None` where these are D itself.
@@ -214,19 +208,18 @@ fn area_ui(ui: &mut Ui, height: f32, cells: (usize, usize)) -> (Area, egui::Resp
 }
 
 fn grid_below(ui: &Ui, area: &Area, axis: &FineAxis, name: &str) {
-    let (painter, colour) = (ui.painter(), ui.visuals().weak_text_color());
-    let font = TextStyle::Small.resolve(ui.style());
-    let bottom = area.rect.bottom();
+    let (painter, bottom) = (ui.painter(), area.rect.bottom());
+    let stroke = Stroke::new(1.0, ui.visuals().weak_text_color());
     let room = (area.rect.width() / 42.0).max(1.0) as usize;
     let each = axis.grid.len().div_ceil(room).max(1);
     for (index, &slope) in axis.grid.iter().enumerate() {
         let x = area.pos(axis.column_of(slope), 0.0).x;
-        painter.vline(x, bottom..=bottom + 3.0, Stroke::new(1.0, colour));
+        painter.vline(x, bottom..=bottom + 3.0, stroke);
         if index % each == 0 {
-            painter.text(pos2(x, bottom + 3.0), Align2::CENTER_TOP, number(slope, 2), font.clone(), colour);
+            small_text(ui, painter, pos2(x, bottom + 3.0), Align2::CENTER_TOP, &number(slope, 2));
         }
     }
-    painter.text(pos2(area.rect.center().x, bottom + 14.0), Align2::CENTER_TOP, name, font, colour);
+    small_text(ui, painter, pos2(area.rect.center().x, bottom + 14.0), Align2::CENTER_TOP, name);
 }
 
 /// Draws dashes at the ends of the searched slopes, and faint lines at each slope.

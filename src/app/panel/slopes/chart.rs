@@ -2,13 +2,13 @@
 
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::rgb;
-use crate::app::panel::widgets::{dot_ui, named};
+use crate::app::panel::widgets::{dot_ui, named, small_text};
 use crate::app::style;
 use crate::detector::Slope;
 use crate::inspect::slopes::{SlopeBar, Spectrum};
 use crate::inspect::words::counted;
 use crate::plane::display::ColourMap;
-use egui::{Align2, Color32, Painter, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
+use egui::{Align2, Color32, Rect, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
 pub(super) struct Marks {
     pub here: Slope,
@@ -64,13 +64,12 @@ pub(super) fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f
         let x = middle(*at as f32);
         let half = (0.4 * cell).max(0.5);
         let up = (axis - inner.top()) * bar.features as f32 / most;
-        let features = Rect::from_min_max(pos2(x - half, axis - up), pos2(x + half, axis));
-        painter.rect_filled(features, 0.0, style::ACCENT);
         let at_limit = (axis - inner.top()) * bar.at_limit as f32 / most;
-        let at_limit = Rect::from_min_max(pos2(x - half, axis - at_limit), pos2(x + half, axis));
-        painter.rect_filled(at_limit, 0.0, style::warning(ui));
+        for (height, colour) in [(up, style::ACCENT), (at_limit, style::warning(ui))] {
+            painter.rect_filled(Rect::from_x_y_ranges(x - half..=x + half, axis - height..=axis), 0.0, colour);
+        }
         let down = (inner.bottom() - axis) * bar.evidence / part;
-        let evidence = Rect::from_min_max(pos2(x - half, axis + 1.0), pos2(x + half, axis + 1.0 + down));
+        let evidence = Rect::from_x_y_ranges(x - half..=x + half, axis + 1.0..=axis + 1.0 + down);
         if bar.is_searched {
             painter.rect_filled(evidence, 0.0, style::good(ui));
         } else if bar.evidence > 0.0 {
@@ -78,7 +77,12 @@ pub(super) fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f
         }
     }
     painter.hline(inner.x_range(), axis, Stroke::new(1.0, ui.visuals().weak_text_color()));
-    labels(ui, &painter, &bars, middle, rect);
+    let every = bars.len().div_ceil(8).max(1) as i64;
+    for (at, bar) in bars.iter().filter(|(at, _)| at.rem_euclid(every) == 0) {
+        let text = number(if bar.slope.v.abs() > bar.slope.u.abs() { bar.slope.v } else { bar.slope.u }, 3);
+        let place = pos2(middle(*at as f32), rect.bottom() - 2.0);
+        small_text(ui, &painter, place, Align2::CENTER_BOTTOM, &text);
+    }
     let is_second = spectrum.grid.u.count == 1 && spectrum.grid.v.count > 1;
     let place = |slope: Slope| {
         let (i, j) = spectrum.grid.position(slope);
@@ -97,7 +101,7 @@ pub(super) fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f
             painter.rect_filled(band, 1.0, expected_colour(ui));
         }
     }
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Features and evidence by slope"));
+    named(&response, egui::Role::Image, "Features and evidence by slope");
     let pointed = response.hover_pos().map(|pos| first + ((pos.x - inner.left()) / cell).floor() as i64);
     let bar = pointed.and_then(|at| bars.iter().find(|(place, _)| *place == at));
     response.on_hover_text_at_pointer(bar.map_or_else(|| "No slopes".to_owned(), |(_, bar)| bar_text(bar)));
@@ -125,17 +129,6 @@ fn key_ui(ui: &mut Ui, marks: &Marks) {
         }
         ui.label(RichText::new("outlined: beyond what was searched").small().weak());
     });
-}
-
-fn labels(ui: &Ui, painter: &Painter, bars: &[(i64, &SlopeBar)], middle: impl Fn(f32) -> f32, rect: Rect) {
-    let font = TextStyle::Small.resolve(ui.style());
-    let every = bars.len().div_ceil(8).max(1) as i64;
-    for (at, bar) in bars.iter().filter(|(at, _)| at.rem_euclid(every) == 0) {
-        let second = bar.slope.v.abs() > bar.slope.u.abs();
-        let text = number(if second { bar.slope.v } else { bar.slope.u }, 3);
-        let place = pos2(middle(*at as f32), rect.bottom() - 2.0);
-        painter.text(place, Align2::CENTER_BOTTOM, text, font.clone(), ui.visuals().weak_text_color());
-    }
 }
 
 /// Draws cells: features on the left, evidence on the right; a frame around the searched slopes.

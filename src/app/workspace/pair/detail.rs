@@ -11,7 +11,7 @@ use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
 use crate::detector::Feature;
 use crate::export::MatchKind;
 use crate::inspect::pair::{Lost, Rivalry, Unmatched};
-use crate::inspect::words::sentence;
+use crate::inspect::words::{counted, sentence};
 use crate::matching::TwoViewModel;
 use crate::requests::{FoundLosses, MatchRequest};
 use egui::{Color32, Grid, Label, RichText, Ui};
@@ -28,7 +28,15 @@ pub fn detail_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             ui.weak("Point at a line or a row of the table; click to keep it.");
             return;
         };
-        verdict_ui(ui, &row, model.document.selected_match.is_none());
+        let word = match MatchKind::of(row.inlier) {
+            MatchKind::Inlier => "inlier",
+            MatchKind::Outlier => "outlier",
+            MatchKind::Unverified => "not verified",
+        };
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(format!("Match {}: {word}", row.index)).strong());
+            ui.weak(if model.document.selected_match.is_none() { "  (click to keep)" } else { "" });
+        });
         if let Some(limit) = matches.passed_limit(&row) {
             weak_ui(ui, limit);
         }
@@ -37,24 +45,11 @@ pub fn detail_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         }
         ui.add_space(4.0);
         let width_of = |count: f32| ((ui.available_width() - 8.0 * (count - 1.0)) / count).clamp(60.0, 150.0);
-        let width = width_of(2.0);
-        patches_ui(ui, model, &row, if row.aligned.is_some() { width_of(3.0) } else { width });
-        descriptors_ui(ui, matches, &row, width);
+        let [of_two, of_three] = [2.0, 3.0].map(width_of);
+        patches_ui(ui, model, &row, if row.aligned.is_some() { of_three } else { of_two });
+        descriptors_ui(ui, matches, &row, of_two);
         ui.add_space(4.0);
         numbers_ui(ui, matches, &row);
-    });
-}
-
-fn verdict_ui(ui: &mut Ui, row: &MatchRow<'_>, only_pointed_at: bool) {
-    let word = match MatchKind::of(row.inlier) {
-        MatchKind::Inlier => "inlier",
-        MatchKind::Outlier => "outlier",
-        MatchKind::Unverified => "not verified",
-    };
-    let pointed = if only_pointed_at { "  (click to keep)" } else { "" };
-    ui.horizontal(|ui| {
-        ui.label(RichText::new(format!("Match {}: {word}", row.index)).strong());
-        ui.weak(pointed);
     });
 }
 
@@ -78,13 +73,12 @@ fn patches_ui(ui: &mut Ui, model: Read<'_>, row: &MatchRow<'_>, width: f32) {
 }
 
 fn descriptors_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>, width: f32) {
-    let colour = ui.visuals().hyperlink_color;
     ui.horizontal(|ui| {
         for (side, index) in [(Side::A, row.found.a), (Side::B, row.found.b)] {
             if let Some(descriptor) = matches.detection(side).descriptors.get(index) {
                 ui.vertical(|ui| {
                     ui.set_width(width);
-                    descriptor_ui(ui, &format!("Descriptor in {}", side.name()), descriptor, width, colour);
+                    descriptor_ui(ui, &format!("Descriptor in {}", side.name()), descriptor, width);
                 });
             }
         }
@@ -168,8 +162,13 @@ pub fn why_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let sides = &found.request.request;
         let Some(own) = sides.a.features.get(why.feature) else { return };
         let unmatched = &why.unmatched;
-        let title = format!("Feature {} of A: {}", why.feature, state_words(unmatched.lost));
-        ui.label(RichText::new(title).strong());
+        let state = match unmatched.lost {
+            Lost::Not => "matched".to_owned(),
+            Lost::NoKeypoint => "no keypoint in B".to_owned(),
+            Lost::Geometry => "lost to the geometry".to_owned(),
+            lost => format!("lost to the {}", lost_words(lost)[0]),
+        };
+        ui.label(RichText::new(format!("Feature {} of A: {state}", why.feature)).strong());
         ui.add(Label::new(sentence(&unmatched.sentence)).wrap());
         for line in notes(own, unmatched, sides) {
             warning_ui(ui, line);
@@ -213,21 +212,13 @@ fn remedy_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     });
 }
 
-fn state_words(lost: Lost) -> String {
-    match lost {
-        Lost::Not => "matched".to_owned(),
-        Lost::NoKeypoint => "no keypoint in B".to_owned(),
-        lost => format!("lost to the {}", if lost == Lost::Geometry { "geometry" } else { lost_words(lost)[0] }),
-    }
-}
-
 fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchRequest) -> Vec<String> {
     let mut notes = Vec::new();
     let best = unmatched.candidates.first();
     if let Some(second) = unmatched.candidates.get(1).filter(|second| second.is_same_blob) {
+        let second = second.feature;
         notes.push(format!(
-            "The second nearest, feature {}, is a duplicate: it lies on the same blob as the nearest.",
-            second.feature
+            "The second nearest, feature {second}, is a duplicate: it lies on the same blob as the nearest."
         ));
     }
     if let Some(other) = best.and_then(|best| sides.b.features.get(best.feature)) {
@@ -295,12 +286,13 @@ fn candidates_ui(ui: &mut Ui, unmatched: &Unmatched, found: &FoundLosses) {
 
 fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
     let twin = if candidate.is_same_blob { "=" } else { "" };
-    let error = candidate.error_px.map_or_else(|| "–".to_owned(), |e| format!("{} px", number(e, 3)));
+    let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
+    let error = candidate.error_px.map(|e| format!("{} px", number(e, 3)));
     [
         (format!("#{}{twin}", candidate.feature), false),
         (format!("{:.0}", candidate.distance), false),
-        (candidate.ratio.map_or_else(|| "–".to_owned(), |ratio| format!("{ratio:.2}")), false),
-        (error, candidate.error_px.is_some_and(|e| e <= max_error_px)),
+        (or_dash(candidate.ratio.map(|ratio| format!("{ratio:.2}"))), false),
+        (or_dash(error), candidate.error_px.is_some_and(|e| e <= max_error_px)),
         (signed_slope(candidate.slope, 1), false),
     ]
 }
@@ -317,8 +309,7 @@ fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
     match unmatched.there.first() {
         None => format!("{place}; no keypoint of its size is there."),
         Some((feature, rank)) => {
-            let count = crate::inspect::words::counted(unmatched.there.len(), "keypoint");
-            let rank = rank + 1;
+            let (count, rank) = (counted(unmatched.there.len(), "keypoint"), rank + 1);
             format!("{place}; {count} of its size there, the nearest #{feature} (rank {rank} by descriptor).")
         }
     }
