@@ -16,7 +16,9 @@ pub use readout::{Quantity, Readout, VALUE_MIN_POINTS, readable_on, readout};
 
 use crate::app::gpu::{Gpu, PicturePaint};
 use crate::plane::display::Display;
-use egui::{Align2, Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Sense, TextStyle, Ui, Vec2};
+use egui::{
+    Align2, Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, Vec2,
+};
 
 pub struct Canvas<'a> {
     /// For screen readers and tests; no two on screen may share a name.
@@ -57,17 +59,9 @@ impl CanvasOutput {
 
 impl<'a> Canvas<'a> {
     pub fn new(name: &'a str) -> Self {
-        Self {
-            name,
-            picture: None,
-            preview: None,
-            display: Display::default(),
-            dim: false,
-            full_scale: 1.0,
-            values: true,
-            empty_text: "No picture",
-            primary_pans: true,
-        }
+        let (display, full_scale, empty_text) = (Display::default(), 1.0, "No picture");
+        let (values, primary_pans) = (true, true);
+        Self { name, picture: None, preview: None, display, dim: false, full_scale, values, empty_text, primary_pans }
     }
 
     pub fn show(self, ui: &mut Ui, view: &mut View) -> CanvasOutput {
@@ -92,17 +86,15 @@ impl<'a> Canvas<'a> {
             *view = settled;
         }
         let image_from_ui = ui_from_image.inverse();
-        let painter = ui.painter_at(rect);
         let pointer_ui = response.hover_pos().or_else(|| response.interact_pointer_pos()).filter(|&p| rect.contains(p));
+        let is_over = |p: &Pos2| self.picture.is_some_and(|picture| picture.rect_image().contains(*p));
         let output = CanvasOutput {
-            painter,
+            painter: ui.painter_at(rect),
             ui_from_image,
             image_from_ui,
             visible_image: image_from_ui.rect(rect),
             pointer_ui,
-            hover_image: pointer_ui
-                .map(|p| image_from_ui.pos(p))
-                .filter(|&p| self.picture.is_some_and(|picture| picture.rect_image().contains(p))),
+            hover_image: pointer_ui.map(|p| image_from_ui.pos(p)).filter(is_over),
             response: response.clone(),
         };
         if ui.is_rect_visible(rect) {
@@ -111,8 +103,8 @@ impl<'a> Canvas<'a> {
         let enabled = ui.is_enabled();
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, enabled, self.name));
         if self.picture.is_some() {
-            let cursor =
-                if response.dragged() && self.primary_pans { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
+            let is_panning = response.dragged() && self.primary_pans;
+            let cursor = if is_panning { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
             response = response.on_hover_and_drag_cursor(cursor);
         }
         CanvasOutput { response, ..output }
@@ -135,19 +127,14 @@ impl<'a> Canvas<'a> {
         let rect = output.response.rect;
         let backdrop = backdrop(ui);
         output.painter.rect_filled(rect, 0.0, backdrop);
-        let Some(picture) = self.picture else {
-            message(ui, &output.painter, rect, self.empty_text);
-            return;
-        };
+        let say = |text: &str| message(ui, &output.painter, rect, text);
+        let Some(picture) = self.picture else { return say(self.empty_text) };
         let Some(gpu) = Gpu::of(ui.ctx()) else {
-            let text = "Pictures cannot be drawn: this window has no graphics card to draw with.";
-            message(ui, &output.painter, rect, text);
-            return;
+            return say("Pictures cannot be drawn: this window has no graphics card to draw with.");
         };
         // A picture that cannot be shown is reported in its own place; other panes go on.
         if let Some(obstacle) = gpu.obstacle(picture.id, picture.plane.size()) {
-            message(ui, &output.painter, rect, &obstacle);
-            return;
+            return say(&obstacle);
         }
         let (dim, display) = (ui.ctx().animate_bool(pane.with("dim"), self.dim), self.display.sanitised());
         let paint = |picture: &Picture, pane: egui::Id| {
@@ -166,7 +153,11 @@ impl<'a> Canvas<'a> {
         if let Some(preview) = self.preview {
             return paint(preview, pane.with("preview"));
         }
-        picture.hatch(&output.painter, output.ui_from_image, rect);
+        for line in picture.hatching(output.ui_from_image, rect) {
+            for (width, colour) in [(2.5, Color32::from_black_alpha(110)), (1.0, Color32::from_gray(190))] {
+                output.painter.line_segment(line, Stroke::new(width, colour));
+            }
+        }
         if self.values {
             self.draw_values(picture, output);
         }

@@ -4,7 +4,7 @@ use super::RectTransform;
 use crate::app::gpu::PictureId;
 use crate::plane::Plane;
 use crate::plane::statistics::Region;
-use egui::{Color32, Painter, Pos2, Rect, Stroke, Vec2, pos2, vec2};
+use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use std::sync::Arc;
 
 /// Distance between two lines of the hatching, points.
@@ -77,16 +77,8 @@ impl Picture {
         region.within(&self.plane)
     }
 
-    /// Draws rising lines over the hidden pixels that lie in `rect`. They keep their places in the image.
-    pub(super) fn hatch(&self, painter: &Painter, ui_from_image: RectTransform, rect: Rect) {
-        for line in self.hatching(ui_from_image, rect) {
-            for (width, colour) in [(2.5, Color32::from_black_alpha(110)), (1.0, Color32::from_gray(190))] {
-                painter.line_segment(line, Stroke::new(width, colour));
-            }
-        }
-    }
-
-    fn hatching(&self, ui_from_image: RectTransform, rect: Rect) -> Vec<[Pos2; 2]> {
+    /// Rising lines over the hidden pixels that lie in `rect`. They keep their places in the image.
+    pub(super) fn hatching(&self, ui_from_image: RectTransform, rect: Rect) -> Vec<[Pos2; 2]> {
         let of_picture = ui_from_image.rect(self.rect_image());
         let seen = rect.intersect(of_picture);
         let mut lines = Vec::new();
@@ -109,13 +101,10 @@ impl Picture {
                 let x = from + k as f32 * STEP;
                 let pos = pos2(x, sum - x);
                 let is_hidden = x <= to && hides(pos);
-                match begun {
-                    None if is_hidden => begun = Some(pos),
-                    Some(start) if !is_hidden => {
-                        lines.push([start, pos]);
-                        begun = None;
-                    }
-                    _ => {}
+                if is_hidden {
+                    begun.get_or_insert(pos);
+                } else if let Some(start) = begun.take() {
+                    lines.push([start, pos]);
                 }
             }
         }

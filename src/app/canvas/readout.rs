@@ -55,21 +55,16 @@ impl Readout {
             Quantity::Value => number(self.value, 4),
             Quantity::Sigma => format!("σ {}", number(self.value, 3)),
             Quantity::FramesShare => format!("{} % of the frames", number(100.0 * self.value, 3)),
-            Quantity::Field(motion) => motion.map_or_else(
-                || "motion unknown".to_owned(),
-                |motion| motion_text(motion.slope, motion.ellipse().0[0], 2),
-            ),
+            Quantity::Field(None) => "motion unknown".to_owned(),
+            Quantity::Field(Some(motion)) => motion_text(motion.slope, motion.ellipse().0[0], 2),
             // No slope wins where no response reaches the gate.
             Quantity::Slope { confidence, .. } if confidence <= 0.0 => {
                 format!("below the gate ({} σ)", number(self.value, 2))
             }
-            Quantity::Slope { slope: Slope { u, v }, confidence } => format!(
-                "({}, {}) px/frame, {} σ, sure {} %",
-                number(u, 3),
-                number(v, 3),
-                number(self.value, 3),
-                number(100.0 * confidence, 2)
-            ),
+            Quantity::Slope { slope: Slope { u, v }, confidence } => {
+                let ([u, v, snr], sure) = ([u, v, self.value].map(|x| number(x, 3)), number(100.0 * confidence, 2));
+                format!("({u}, {v}) px/frame, {snr} σ, sure {sure} %")
+            }
         }
     }
 }

@@ -106,9 +106,8 @@ fn study_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let trajectories: &Trajectories = &model.document.trajectories;
     let (mut projection, mut study) = (trajectories.projection, trajectories.study);
     Grid::new("study").num_columns(2).show(ui, |ui| {
-        let label = ui
-            .label("Seen from")
-            .on_hover_text("The plane in which the cameras are drawn, or a free view that dragging turns");
+        let help = "The plane in which the cameras are drawn, or a free view that dragging turns";
+        let label = ui.label("Seen from").on_hover_text(help);
         choice_ui(ui, "projection", label.id, None, &mut projection, Projection::ALL, Projection::name);
         ui.end_row();
         if model.results.poses.model().is_some() {
@@ -123,25 +122,24 @@ fn study_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let rules = [None, Some(Association::Name), Some(Association::Time), Some(Association::Order)];
         choice_ui(ui, "associate", label.id, None, &mut study.associate, rules, name);
         ui.end_row();
-        let label =
-            ui.label("Time difference").on_hover_text("Max difference of the times of a pair, in the files' unit");
-        let field = DragValue::new(&mut study.max_time_difference).range(0.0..=f64::MAX).speed(0.01);
-        ui.add(field).labelled_by(label.id);
-        ui.end_row();
-        let label = ui
-            .label("Step")
-            .on_hover_text("Poses between the start and the end of each motion of the relative pose error");
-        ui.add(DragValue::new(&mut study.step).range(1..=10_000).suffix(" poses")).labelled_by(label.id);
-        ui.end_row();
+        let difference = DragValue::new(&mut study.max_time_difference).range(0.0..=f64::MAX).speed(0.01);
+        let step = DragValue::new(&mut study.step).range(1..=10_000).suffix(" poses");
+        for (label, help, field) in [
+            ("Time difference", "Max difference of the times of a pair, in the files' unit", difference),
+            ("Step", "Poses between the start and the end of each motion of the relative pose error", step),
+        ] {
+            let label = ui.label(label).on_hover_text(help);
+            ui.add(field).labelled_by(label.id);
+            ui.end_row();
+        }
     });
     queue.edit(model.document, Action::SetProjection(projection));
     queue.set(&trajectories.study, study, Action::SetPoseStudy);
 }
 
 fn errors_ui(ui: &mut Ui, which: Which, report: &PoseReport) {
-    let paired =
-        format!("{} poses paired {}, scale {:.5}", report.absolute.count, report.associated.phrase(), report.scale);
-    ui.weak(paired).on_hover_text("The estimate is aligned with the truth by the similarity that minimises the squared distances of the camera centres (Umeyama 1991)");
+    let PoseReport { absolute, relative, scale, .. } = report;
+    ui.weak(format!("{} poses paired {}, scale {scale:.5}", absolute.count, report.associated.phrase())).on_hover_text("The estimate is aligned with the truth by the similarity that minimises the squared distances of the camera centres (Umeyama 1991)");
     let right = "Within 3 % of the way's extent and 3° of the truth, aligned by two cameras or by all, as most are right; the errors are aligned by all";
     ui.label(format!("{} of {} cameras right", report.right, report.images)).on_hover_text(right);
     if report.absolute.count <= 2 {
@@ -155,7 +153,6 @@ fn errors_ui(ui: &mut Ui, which: Which, report: &PoseReport) {
             ui.label(RichText::new(heading).small());
         }
         ui.end_row();
-        let PoseReport { absolute, relative, .. } = report;
         let rows: [(&str, &str, &ErrorSummary, usize); 4] = [
             ("ATE", "distances of the camera centres, in the truth's unit", &absolute.translation, 4),
             ("ATE °", "angles between the cameras' directions, degrees", &absolute.rotation_deg, 3),
@@ -198,28 +195,21 @@ fn reconstruction_ui(ui: &mut Ui, model: Read<'_>) {
         ("Inlier ratio", "Inliers over putative matches", inlier_ratio),
     ];
     let seen = "Points that an image sees, mean over the registered images";
+    let track = "Images in which a point is seen, mean over the points";
     let distance = "Mean distance of a point's projections from its keypoints";
     let model = [
         ("Registered images", "Images whose camera was found, of all images", registered),
         ("3D points", "Points of the sparse model", points(|s| s.points.to_string())),
         ("3D points an image", seen, points(|s| format!("{:.1}", s.points_per_image))),
-        (
-            "Track length",
-            "Images in which a point is seen, mean over the points",
-            points(|s| format!("{:.2}", s.mean_track_length)),
-        ),
+        ("Track length", track, points(|s| format!("{:.2}", s.mean_track_length))),
         ("Reprojection error", distance, points(|s| format!("{:.3} px", s.mean_reprojection_error_px))),
     ];
     // The model may have been made from other features than those of the dataset that is open.
-    let parts = [
+    let of_matches = "Once its pairs are matched; a model of other features has others";
+    for (title, about, rows) in [
         ("Opened model", "Sparse model that was opened", &model[..]),
-        (
-            "Matches of the open dataset",
-            "Once its pairs are matched; a model of other features has others",
-            &matches[..],
-        ),
-    ];
-    for (title, about, rows) in parts {
+        ("Matches of the open dataset", of_matches, &matches[..]),
+    ] {
         ui.label(RichText::new(title).strong()).on_hover_text(about);
         Grid::new(title).num_columns(2).striped(true).min_col_width(130.0).show(ui, |ui| {
             for (name, help, value) in rows {

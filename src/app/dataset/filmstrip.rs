@@ -51,8 +51,8 @@ pub fn filmstrip_ui(ui: &mut Ui, model: Read<'_>, thumbnails: &mut Thumbnails, q
         let first = (viewport.min.x / step).floor().max(0.0) as usize;
         let last = ((viewport.max.x / step).ceil().max(0.0) as usize).min(count);
         for place in first..last {
-            let picture = thumbnails.get(&dataset.bursts[place]);
-            let response = cell_ui(ui, dataset, place, cell(place), picture, shown == Some(place), fraction);
+            let picture = (thumbnails.get(&dataset.bursts[place]), fraction);
+            let response = cell_ui(ui, dataset, (place, cell(place)), picture, shown == Some(place));
             queue.push_if(response.clicked(), Action::OpenBurstAt(place));
             for side in Side::BOTH {
                 let is_chosen = model.document.dataset.as_ref().is_some_and(|set| set.pair[side] == Some(place));
@@ -68,9 +68,8 @@ fn menu_ui(ui: &mut Ui, dataset: &Dataset, place: usize, queue: &mut Queue) {
     ui.set_min_width(150.0);
     queue.push_if(ui.button("Open").clicked(), Action::OpenBurstAt(place));
     for side in Side::BOTH {
-        if ui.button(format!("Use as {}", side.name())).on_hover_text("Of a pair to be matched").clicked() {
-            queue.push(Action::ChooseBurst(side, place));
-        }
+        let button = ui.button(format!("Use as {}", side.name())).on_hover_text("Of a pair to be matched");
+        queue.push_if(button.clicked(), Action::ChooseBurst(side, place));
     }
     ui.separator();
     let burst = &dataset.bursts[place];
@@ -152,14 +151,13 @@ pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
     named(&bar, egui::Role::ProgressIndicator, work.title());
 }
 
+/// Draws the cell of the burst at a place, with its thumbnail, and the fraction of the work on it that is done.
 fn cell_ui(
     ui: &Ui,
     dataset: &Dataset,
-    place: usize,
-    rect: Rect,
-    picture: Option<&ThumbnailState>,
+    (place, rect): (usize, Rect),
+    (picture, fraction): (Option<&ThumbnailState>, f32),
     open: bool,
-    fraction: f32,
 ) -> Response {
     let burst = &dataset.bursts[place];
     let state = &dataset.states[place];
@@ -199,9 +197,8 @@ fn side_ui(ui: &Ui, dataset: &Dataset, place: usize, side: Side, on: bool, rect:
         painter.rect_stroke(square, 3.0, visuals.widgets.hovered.fg_stroke, StrokeKind::Inside);
     }
     painter.text(square.center(), Align2::CENTER_CENTER, side.name(), FontId::proportional(10.0), text);
-    if response.on_hover_text(format!("{label} of a pair to be matched")).clicked() {
-        queue.push(Action::ChooseBurst(side, place));
-    }
+    let response = response.on_hover_text(format!("{label} of a pair to be matched"));
+    queue.push_if(response.clicked(), Action::ChooseBurst(side, place));
 }
 
 /// Colour of A or B; the two can be told apart without colour vision, on dark and light backgrounds.
@@ -227,10 +224,9 @@ fn picture_ui(ui: &Ui, area: Rect, picture: Option<&ThumbnailState>) {
 }
 
 fn state_ui(ui: &Ui, state: &BurstState, area: Rect, rect: Rect, fraction: f32) {
-    let painter = ui.painter_at(rect);
-    let visuals = ui.visuals();
-    let text_colour =
-        if matches!(state, BurstState::Waiting) { visuals.weak_text_color() } else { visuals.text_color() };
+    let (painter, visuals) = (ui.painter_at(rect), ui.visuals());
+    let is_waiting = *state == BurstState::Waiting;
+    let text_colour = if is_waiting { visuals.weak_text_color() } else { visuals.text_color() };
     let y = rect.bottom() - 0.5 * TEXT_HEIGHT;
     mark_ui(ui, state, pos2(rect.left() + 9.0, y));
     let font = FontId::proportional(11.0);
@@ -258,10 +254,9 @@ fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
         }
         BurstState::Done(_) => _ = painter.circle_filled(centre, RADIUS, style::good(ui)),
         BurstState::Failed(_) => {
-            let stroke = Stroke::new(2.0, visuals.error_fg_color);
-            for arm in [vec2(1.0, 1.0), vec2(1.0, -1.0)] {
-                let arm = 0.8 * RADIUS * arm;
-                painter.line_segment([centre - arm, centre + arm], stroke);
+            let arm = 0.8 * RADIUS;
+            for arm in [vec2(arm, arm), vec2(arm, -arm)] {
+                painter.line_segment([centre - arm, centre + arm], Stroke::new(2.0, visuals.error_fg_color));
             }
         }
     }

@@ -1,5 +1,5 @@
-//! Many bursts: [`filmstrip`], matching [`pairs`], trajectories ([`cameras`], [`errors_panel`]); and the questions before
-//! work on them: whether and how a film is cut, and whether features may be replaced.
+//! Many bursts: [`filmstrip`], matching [`pairs`], trajectories ([`cameras`], [`errors_panel`]); and the questions
+//! before work on them: whether and how a film is cut, and whether features may be replaced.
 
 pub mod cameras;
 pub mod errors_panel;
@@ -56,8 +56,8 @@ impl CutDialog {
             let label = ui.label("Burst length").on_hover_text("Frames of each burst");
             ui.add(DragValue::new(&mut self.length).range(1..=self.frames).suffix(" frames")).labelled_by(label.id);
             ui.end_row();
-            let label =
-                ui.label("Burst step").on_hover_text("Frames from the start of a burst to the start of the next");
+            let help = "Frames from the start of a burst to the start of the next";
+            let label = ui.label("Burst step").on_hover_text(help);
             ui.horizontal(|ui| {
                 ui.checkbox(&mut self.contiguous, "one after another");
                 let field = DragValue::new(&mut self.step).range(1..=self.frames).suffix(" frames");

@@ -58,13 +58,9 @@ pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mu
         let grid = Grid { origin: rect.min + vec2(NAMES_WIDTH, HEAD_HEIGHT), cell, count };
         let pointed = response.hover_pos().and_then(|pos| grid.cell_at(pos));
         draw(ui, dataset, set, &grid, pointed);
-        if let Some((row, column)) = pointed
-            && let Some(pair) = pair_of(row, column)
-        {
+        if let Some(pair) = pointed.and_then(|(row, column)| pair_of(row, column)) {
             queue.push_if(response.clicked(), Action::SelectPair(pair));
-            if response.double_clicked() {
-                opened = Some(pair);
-            }
+            opened = response.double_clicked().then_some(pair);
         }
         move_selection(ui, dataset, set, &response, queue);
         let text = set.selected().map_or_else(String::new, |pair| pair_text(dataset, pair));
@@ -119,13 +115,9 @@ pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
         (None, None) => "not verified".to_owned(),
         (Some(inliers), None) => counted(inliers, "inlier"),
     };
-    format!(
-        "{names}\n{}, {inliers}\nmatch ratio {:.3}, match score {}, inlier ratio {}",
-        counted(counts.putative, "putative match"),
-        counts.match_ratio(),
-        share(counts.match_score()),
-        share(counts.inlier_ratio())
-    )
+    let (putative, ratio) = (counted(counts.putative, "putative match"), counts.match_ratio());
+    let [score, inlier_ratio] = [counts.match_score(), counts.inlier_ratio()].map(share);
+    format!("{names}\n{putative}, {inliers}\nmatch ratio {ratio:.3}, match score {score}, inlier ratio {inlier_ratio}")
 }
 
 /// Colours of counts, uniform in lightness. The square root makes small counts visible beside large ones.
@@ -177,11 +169,8 @@ fn draw(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: O
             let counts = pair_of(row, column).and_then(|pair| dataset.matches.counts.get(&pair));
             let shown = counts.map(PairTable::strength);
             let is_refused = counts.is_some_and(|counts| counts.refused.is_some());
-            let (fill, text_colour) = match shown {
-                Some(count) => colours.of(count),
-                None if row == column => (visuals.extreme_bg_color, visuals.weak_text_color()),
-                None => (visuals.faint_bg_color, visuals.weak_text_color()),
-            };
+            let empty = if row == column { visuals.extreme_bg_color } else { visuals.faint_bg_color };
+            let (fill, text_colour) = shown.map_or((empty, visuals.weak_text_color()), |count| colours.of(count));
             painter.rect_filled(inner, 0.0, fill);
             // The diagonal holds the features of each burst.
             let number = shown.or(match &dataset.states[row] {
@@ -278,8 +267,6 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: 
             opened = Some(pair_at(item));
         }
     });
-    if let Some(column) = sort {
-        queue.push(Action::SortPairs(PairColumn::ALL[column]));
-    }
+    sort.into_iter().for_each(|column| queue.push(Action::SortPairs(PairColumn::ALL[column])));
     opened
 }

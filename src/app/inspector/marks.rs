@@ -49,8 +49,8 @@ fn value_at(model: Read<'_>, widgets: &PaneWidgets, drawn: &Drawn, pos_image: Po
     Some(PlaceValue { id: drawn.pane, number: model.document.panes.number(drawn.pane)?, readout })
 }
 
-/// Draws the four arms of a cross with a gap in its middle, so that the marked place can be seen: `first`, and its turns.
-/// The place in the window, if it is in sight.
+/// Draws the four arms of a cross, `first` and its turns, with a gap in its middle, so that the marked place can be seen.
+/// Returns the place in the window, if it is in sight.
 fn cross(
     output: &CanvasOutput,
     pos_image: Pos2,

@@ -6,23 +6,30 @@ use super::{LessonAction, Lessons, OpenLesson};
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Side;
 use crate::app::inspector::PaneWidgets;
+use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{close_ui, modal_ui, named, weak_ui};
 use crate::app::results::Read;
 use crate::app::words::caption_ui;
 use crate::app::{parts, style};
 use crate::teach::Lesson;
 use egui::{
-    Align, Button, Color32, Context, CornerRadius, Frame, Id, Key, LayerId, Layout, Margin, Modifiers, Order, RichText,
-    ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
+    Align, Button, Color32, Context, Frame, Id, Key, LayerId, Layout, Margin, Modifiers, Order, RichText, ScrollArea,
+    Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
 use std::sync::Arc;
 
 /// Size of the lesson's letters in a hall, in parts of the usual one.
 const LETTERS_IN_HALL: f32 = 1.5;
 
-/// Size of letters, points, that are `size` where those of the body have 13.
-fn letters(ui: &Ui, size: f32) -> f32 {
-    size / 13.0 * egui::TextStyle::Body.resolve(ui.style()).size
+/// Draws a text under its title, in letters larger than those of the body.
+fn text_ui(ui: &mut Ui, title: &str, add_contents: impl FnOnce(&mut Ui)) {
+    let size = egui::TextStyle::Body.resolve(ui.style()).size / 13.0;
+    ui.label(RichText::new(title).size(17.0 * size).strong());
+    ui.add_space(4.0);
+    ui.scope(|ui| {
+        ui.style_mut().text_styles.insert(egui::TextStyle::Body, egui::FontId::proportional(14.0 * size));
+        add_contents(ui);
+    });
 }
 
 /// Draws the open lesson; returns what was asked of it.
@@ -45,13 +52,7 @@ pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: Read<'_>, queue: &mu
     }
     ScrollArea::vertical().id_salt(("lesson", open.step)).auto_shrink(false).show(ui, |ui| {
         let step = open.step().clone();
-        ui.label(RichText::new(&step.title).size(letters(ui, 17.0)).strong());
-        ui.add_space(4.0);
-        ui.scope(|ui| {
-            let font = egui::FontId::proportional(letters(ui, 14.0));
-            ui.style_mut().text_styles.insert(egui::TextStyle::Body, font);
-            caption_ui(ui, &step.caption);
-        });
+        text_ui(ui, &step.title, |ui| caption_ui(ui, &step.caption));
         ui.add_space(6.0);
         if let Some(spot) = step.state.spot {
             Frame::group(ui.style()).show(ui, |ui| {
@@ -77,15 +78,13 @@ fn header_ui(ui: &mut Ui, open: &OpenLesson, asked: &mut Option<LessonAction>) {
     ui.horizontal(|ui| {
         ui.weak("Lesson");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let leave = ui.button("Leave").on_hover_text("Close the lesson; what was open before it comes back");
-            named(&leave, egui::Role::Button, "Leave lesson");
-            if leave.clicked() {
-                *asked = Some(LessonAction::Leave);
-            }
-            let again = ui.button("↺").on_hover_text("Set this step up again, as it began");
-            named(&again, egui::Role::Button, "Set the step up again");
-            if again.clicked() {
-                *asked = Some(LessonAction::Again);
+            for (label, name, tip, action) in [
+                ("Leave", "Leave lesson", "Close the lesson; what was open before it comes back", LessonAction::Leave),
+                ("↺", "Set the step up again", "Set this step up again, as it began", LessonAction::Again),
+            ] {
+                let button = ui.button(label).on_hover_text(tip);
+                named(&button, egui::Role::Button, name);
+                *asked = button.clicked().then_some(action).or(*asked);
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ui.add(egui::Label::new(RichText::new(&open.lesson.title).strong()).truncate());
@@ -98,12 +97,8 @@ fn header_ui(ui: &mut Ui, open: &OpenLesson, asked: &mut Option<LessonAction>) {
 fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson) {
     let done = open.is_done();
     let colour = if done { style::good(ui) } else { style::ACCENT };
-    let frame = Frame::new()
-        .fill(colour.gamma_multiply(0.14))
-        .stroke(Stroke::new(1.0, colour.gamma_multiply(0.7)))
-        .corner_radius(CornerRadius::same(6))
-        .inner_margin(Margin::symmetric(10, 7));
-    frame.show(ui, |ui| {
+    let frame = Frame::new().fill(colour.gamma_multiply(0.14)).stroke(Stroke::new(1.0, colour.gamma_multiply(0.7)));
+    frame.corner_radius(6).inner_margin(Margin::symmetric(10, 7)).show(ui, |ui| {
         ui.set_width(ui.available_width());
         let head = if done { "✔ Done" } else { "Try it" };
         ui.label(RichText::new(head).strong().color(colour));
@@ -113,11 +108,7 @@ fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson) {
 
 /// Draws the lesson's end: the lines of what was learnt, and what the next lesson is about.
 fn end_ui(ui: &mut Ui, open: &OpenLesson, next: Option<&Lesson>) {
-    ui.label(RichText::new("What you have learnt").size(letters(ui, 17.0)).strong());
-    ui.add_space(4.0);
-    ui.scope(|ui| {
-        let font = egui::FontId::proportional(letters(ui, 14.0));
-        ui.style_mut().text_styles.insert(egui::TextStyle::Body, font);
+    text_ui(ui, "What you have learnt", |ui| {
         for line in &open.lesson.learnt {
             caption_ui(ui, &format!("- {line}"));
             ui.add_space(4.0);
@@ -150,9 +141,7 @@ fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicke
         let before = open.back();
         let back = ui.add_enabled(before.is_some(), Button::new("Back").min_size(size));
         back.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, before.is_some(), "Step back"));
-        if back.on_hover_text("The step before").clicked() {
-            *clicked = before;
-        }
+        *clicked = before.filter(|_| back.on_hover_text("The step before").clicked()).or(*clicked);
         let asked = open.onward(next_lesson.is_some());
         let (label, name) = match asked {
             LessonAction::NextLesson => ("Next lesson", "Next lesson"),
@@ -166,9 +155,7 @@ fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicke
         let next = if is_done { next.fill(style::ACCENT) } else { next };
         let next = ui.add(next.min_size(size));
         named(&next, egui::Role::Button, name);
-        if next.clicked() {
-            *clicked = Some(asked);
-        }
+        *clicked = next.clicked().then_some(asked).or(*clicked);
     });
 }
 
@@ -189,9 +176,7 @@ fn dots_ui(ui: &mut Ui, open: &OpenLesson, asked: &mut Option<LessonAction>) {
         if place == open.step && !open.is_ended {
             painter.circle_stroke(rect.center(), 6.0, Stroke::new(1.5, style::ACCENT));
         }
-        if response.on_hover_text(title).clicked() {
-            *asked = Some(LessonAction::Step(place));
-        }
+        *asked = response.on_hover_text(title).clicked().then_some(LessonAction::Step(place)).or(*asked);
     }
 }
 
@@ -205,9 +190,9 @@ pub fn highlights_ui(ctx: &Context) {
         // A glow around it makes it visible over bright and dark pictures.
         for (width, alpha) in [(9.0, 26), (6.0, 50)] {
             let glow = Color32::from_rgba_unmultiplied(HIGHLIGHT.r(), HIGHLIGHT.g(), HIGHLIGHT.b(), alpha);
-            painter.rect_stroke(rect, CornerRadius::same(6), Stroke::new(width, glow), StrokeKind::Middle);
+            painter.rect_stroke(rect, 6.0, Stroke::new(width, glow), StrokeKind::Middle);
         }
-        painter.rect_stroke(rect, CornerRadius::same(5), Stroke::new(2.0, HIGHLIGHT), StrokeKind::Middle);
+        painter.rect_stroke(rect, 5.0, Stroke::new(2.0, HIGHLIGHT), StrokeKind::Middle);
     }
 }
 
@@ -285,12 +270,9 @@ pub fn rings_ui(ctx: &Context, lessons: &Lessons, model: Read<'_>, widgets: &Pan
     {
         rings.extend([spot.inner, spot.ground[0], spot.ground[1]].map(|radius| (place, radius)));
     }
-    for id in model.document.panes.shown() {
-        let is_picture = model.pane(id).is_some_and(|pane| pane.side == Side::A && pane.shown().is_some());
+    let is_picture = |id: &PaneId| model.pane(*id).is_some_and(|pane| pane.side == Side::A && pane.shown().is_some());
+    for id in model.document.panes.shown().into_iter().filter(is_picture) {
         let (Some(ui_from_image), Some(rect_ui)) = (widgets.ui_from_image(id), widgets.rect_ui(id)) else { continue };
-        if !is_picture {
-            continue;
-        }
         let layer = LayerId::new(Order::Background, Id::unique("lesson rings"));
         let painter = ctx.layer_painter(layer).with_clip_rect(rect_ui);
         for ([u, v], radius) in &rings {

@@ -10,7 +10,7 @@ use crate::inspect::place::{SpotSnr, spot_snr};
 use crate::inspect::words::counted;
 use crate::requests::{PictureKind, ViewKind};
 use crate::teach::{Part, Spot};
-use egui::{Color32, RichText, Ui};
+use egui::{Color32, Rect, RichText, Ui, pos2};
 use egui_plot::{Line, PlotPoints, Points};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -74,14 +74,15 @@ pub(super) fn shown_spot(model: Read<'_>, spot: Spot, slope: Slope) -> Option<(u
 pub(super) fn snr_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, spot: Spot, slope: Slope, queue: &mut Queue) {
     let top = ui.cursor().min;
     frames_ui(ui, model, trace, queue);
-    let rect = egui::Rect::from_min_max(top, egui::pos2(ui.max_rect().right(), ui.min_rect().bottom()));
-    parts::mark(ui, Part::FramesAdded, rect);
+    let below = |ui: &Ui, top| Rect::from_min_max(top, pos2(ui.max_rect().right(), ui.min_rect().bottom()));
+    parts::mark(ui, Part::FramesAdded, below(ui, top));
     ui.add_space(4.0);
     let top = ui.cursor().min;
     let now = measured(model, spot, slope);
     if let Some((frames, snr)) = now {
         let at = trace.slope.filter(|_| frames == 1).unwrap_or(model.document.cursor().slope);
         trace.take(at, frames, snr.ratio());
+        let SpotSnr { signal, noise, .. } = snr;
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new(format!("SNR {:.2}", snr.ratio())).strong());
             let with = counted(frames, "frame");
@@ -89,16 +90,14 @@ pub(super) fn snr_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, spot: S
         })
         .response
         .on_hover_text(format!(
-            "The spot is {:.4} of full scale above the background; the noise of a pixel is {:.4}",
-            snr.signal, snr.noise
+            "The spot is {signal:.4} of full scale above the background; the noise of a pixel is {noise:.4}"
         ));
     } else {
         let is_coming = !model.picture_is_current();
         ui.weak(if is_coming { "Measuring…" } else { "SNR: show a frame or the motion stack to measure it" });
     }
     plot_ui(ui, model.frame_count(), trace, now.map(|(frames, _)| frames));
-    let rect = egui::Rect::from_min_max(top, egui::pos2(ui.max_rect().right(), ui.min_rect().bottom()));
-    parts::mark(ui, Part::Snr, rect);
+    parts::mark(ui, Part::Snr, below(ui, top));
 }
 
 /// Number of frames in the shown picture; 1 for a single frame.
@@ -153,8 +152,8 @@ fn plot_ui(ui: &mut Ui, all: usize, trace: &SnrTrace, now: Option<usize>) {
         .include_y(0.0)
         .include_y(top)
         .show(ui, |plot| {
-            let curve: Vec<[f64; 2]> =
-                (0..=20 * all).map(|i| f64::from(i as u32) / 20.0).map(|n| [n, one * n.sqrt()]).collect();
+            let frames = (0..=20 * all).map(|i| f64::from(i as u32) / 20.0);
+            let curve: Vec<[f64; 2]> = frames.map(|n| [n, one * n.sqrt()]).collect();
             plot.line(Line::new("√N", PlotPoints::from(curve)).color(law).width(1.5));
             let here = points.iter().copied().filter(|point| Some(point[0] as usize) == now).collect::<Vec<_>>();
             plot.points(Points::new("measured", PlotPoints::from(points)).color(crate::app::style::ACCENT).radius(4.0));

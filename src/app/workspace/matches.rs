@@ -8,6 +8,7 @@ use crate::app::panel::widgets::{section_ui, warning_ui};
 use crate::app::results::Read;
 use crate::app::workspace::pair::parameters;
 use crate::app::workspace::{WorkspaceParts, left_panel, right_panel, side_width};
+use crate::inspect::words::counted;
 use crate::requests::next_commands;
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 
@@ -31,10 +32,9 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
             opened = pairs::pair_list_ui(ui, dataset, set, queue);
         });
     }
-    let ground = ui.visuals().panel_fill;
-    CentralPanel::default().frame(Frame::new().fill(ground)).show(ui, |ui| {
-        let header = Frame::new().inner_margin(Margin::symmetric(8, 3)).fill(ui.visuals().panel_fill);
-        header.show(ui, |ui| header_ui(ui, model));
+    let ground = Frame::new().fill(ui.visuals().panel_fill);
+    CentralPanel::default().frame(ground).show(ui, |ui| {
+        ground.inner_margin(Margin::symmetric(8, 3)).show(ui, |ui| header_ui(ui, model));
         Frame::new().inner_margin(Margin::same(8)).show(ui, |ui| {
             opened = pairs::matrix_ui(ui, dataset, set, queue).or(opened);
         });
@@ -83,17 +83,16 @@ fn pairs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                 button_ui(ui, model, queue, ActionId::DetectAll, None);
             });
         }
-        if let Some(dataset) = &model.results.datasets.open {
-            let missing = dataset.bursts.len() - dataset.counts().done;
-            if missing > 0 {
-                let count = dataset.bursts.len();
-                let text = format!("{missing} of {count} bursts have no features yet; pairs with them are left out");
-                warning_ui(ui, RichText::new(text).small());
-            }
-            if !dataset.matches.counts.is_empty() && dataset.matches.params != model.document.matching {
-                let text = "The matching parameters changed; match again to update the matches";
-                warning_ui(ui, RichText::new(text).small());
-            }
+        let Some(dataset) = &model.results.datasets.open else { return };
+        let (count, done) = (dataset.bursts.len(), dataset.counts().done);
+        if done < count {
+            let missing = count - done;
+            let text = format!("{missing} of {count} bursts have no features yet; pairs with them are left out");
+            warning_ui(ui, RichText::new(text).small());
+        }
+        if !dataset.matches.counts.is_empty() && dataset.matches.params != model.document.matching {
+            let text = "The matching parameters changed; match again to update the matches";
+            warning_ui(ui, RichText::new(text).small());
         }
     });
 }
@@ -136,10 +135,7 @@ fn header_ui(ui: &mut Ui, model: Read<'_>) {
     let verified = matches.listed().iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count();
     ui.horizontal(|ui| {
         ui.label(RichText::new(format!("Matches of {}", dataset.source.label())).strong());
-        let text = format!(
-            "{} matched, {verified} of them verified",
-            crate::inspect::words::counted(matches.counts.len(), "pair")
-        );
+        let text = format!("{} matched, {verified} of them verified", counted(matches.counts.len(), "pair"));
         ui.add(Label::new(RichText::new(text).weak()).truncate());
     });
     ui.horizontal(|ui| pairs::legend_ui(ui, matches.strongest()));

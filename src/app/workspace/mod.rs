@@ -34,14 +34,11 @@ struct Room {
 const ROOMS: [Room; 5] = {
     use Workspace::{Inspect, Lab, Matches, Pair, Trajectories};
     let with_poses = |model: Read<'_>| model.results.datasets.open.is_some() || !model.results.poses.is_empty();
+    let with_dataset = |model: Read<'_>| model.results.datasets.open.is_some();
     [
         Room { of: Inspect, has_content: |_| true, ui: inspect_workspace_ui },
         Room { of: Pair, has_content: |model| model.results.slots.b.burst.is_some(), ui: pair::pair_workspace_ui },
-        Room {
-            of: Matches,
-            has_content: |model| model.results.datasets.open.is_some(),
-            ui: matches::matches_workspace_ui,
-        },
+        Room { of: Matches, has_content: with_dataset, ui: matches::matches_workspace_ui },
         Room { of: Trajectories, has_content: with_poses, ui: trajectories_workspace_ui },
         Room { of: Lab, has_content: |model| !model.lab_results().is_empty(), ui: lab_workspace_ui },
     ]
@@ -176,13 +173,11 @@ fn strip_ui(ui: &mut Ui, panel: Panel, toggle: ActionId, contents: &str, queue: 
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click());
         let name = toggle.action().label;
         named(&response, egui::Role::Button, format!("Unfold {name}"));
-        let visuals = ui.style().interact(&response);
-        let galley =
-            ui.painter().layout_no_wrap(name.to_owned(), TextStyle::Body.resolve(ui.style()), visuals.text_color());
-        let anchor = rect.center_top() + vec2(0.0, 12.0);
-        let text = egui::epaint::TextShape::new(anchor, galley, visuals.text_color())
-            .with_angle_and_anchor(std::f32::consts::FRAC_PI_2, Align2::LEFT_CENTER);
-        ui.painter().add(Shape::Text(text));
+        let (font, colour) = (TextStyle::Body.resolve(ui.style()), ui.style().interact(&response).text_color());
+        let galley = ui.painter().layout_no_wrap(name.to_owned(), font, colour);
+        let text = egui::epaint::TextShape::new(rect.center_top() + vec2(0.0, 12.0), galley, colour);
+        let upwards = text.with_angle_and_anchor(std::f32::consts::FRAC_PI_2, Align2::LEFT_CENTER);
+        ui.painter().add(Shape::Text(upwards));
         queue.push_if(response.on_hover_text(format!("Open the panel: {contents}")).clicked(), toggle);
     });
 }

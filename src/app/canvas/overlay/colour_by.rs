@@ -1,14 +1,16 @@
 //! Colours of features, and their legend. All features get their colours here.
 
-use crate::app::panel::widgets::strip_of_colours;
-use crate::app::view::{ColourBy, KnownOfFeature, quantity_value};
+use crate::app::panel::widgets::{named, small_text, strip_of_colours};
+use crate::app::view::{ColourBy, KnownOfFeature, number, quantity_value};
 use crate::detector::quantity::{Colours, Span};
 use crate::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
 use crate::inspect::place::Judged;
 use crate::inspect::slopes::SetUp;
 use crate::plane::display::direction_colour;
 use crate::requests::line_of;
-use egui::{Color32, Label, Mesh, Rect, Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
+use egui::{
+    Align2, Color32, Label, Mesh, Rect, Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
+};
 use std::sync::Arc;
 
 /// The range stays until the next detection, so that a colour keeps its meaning.
@@ -36,18 +38,16 @@ impl ColourScale {
             return Self::of_slopes(grid, features);
         }
         let stored = |f: &Feature| by.quantity().and_then(|by| quantity_value(by, 0, f, KnownOfFeature::default()));
-        let of = |value: &dyn Fn(&Feature) -> f32| {
-            let values = features.iter().map(value).filter(|x| x.is_finite());
-            values.fold(None, |range: Option<(f32, f32)>, x| {
-                Some(range.map_or((x, x), |(low, high)| (low.min(x), high.max(x))))
-            })
+        let of = |value: &dyn Fn(&Feature) -> Option<f32>| {
+            let values = features.iter().filter_map(value).filter(|x| x.is_finite());
+            values.map(|x| (x, x)).reduce(|(low, high), (x, _)| (low.min(x), high.max(x)))
         };
         let (min, max) = match (by.quantity(), by.colours().span) {
-            (None, _) => (0.0, of(&|f| f.motion().0.magnitude()).map_or(1.0, |range| range.1)),
+            (None, _) => (0.0, of(&|f| Some(f.motion().0.magnitude())).map_or(1.0, |range| range.1)),
             (_, Span::Always(min, max)) => (min, max),
-            (_, Span::Found(min, max)) => of(&|f| stored(f).unwrap_or(f32::NAN)).unwrap_or((min, max)),
+            (_, Span::Found(min, max)) => of(&stored).unwrap_or((min, max)),
             (_, Span::Around(limit)) => {
-                let limit = of(&|f| stored(f).unwrap_or(f32::NAN).abs()).map_or(limit, |range| range.1);
+                let limit = of(&|f| stored(f).map(f32::abs)).map_or(limit, |range| range.1);
                 (-limit, limit)
             }
         };
@@ -76,13 +76,8 @@ impl ColourScale {
             ColourBy::Of(_) if max <= min && by.unit() == "px/frame" => (min - 0.5, min + 0.5),
             _ => (min, if max > min { max } else { min + 1e-6 }),
         };
-        let lut = map.lut();
-        let table = (0..256)
-            .map(|i| {
-                let t = first + (last - first) * i as f32 / 255.0;
-                rgb(lut[(t * 255.0).round() as usize])
-            })
-            .collect();
+        let (lut, t) = (map.lut(), |i: u8| first + (last - first) * f32::from(i) / 255.0);
+        let table = (0..=255).map(|i| rgb(lut[(t(i) * 255.0).round() as usize])).collect();
         Self { by, min, max, line_deg: None, table, coherences: None, set_up: None, lacks_some: false }
     }
 
@@ -154,7 +149,7 @@ impl ColourScale {
 
     /// Length of the slopes on the rim of the wheel.
     pub fn limit_text(&self) -> String {
-        format!("{} px/frame", super::super::number(self.max, 3))
+        format!("{} px/frame", number(self.max, 3))
     }
 
     pub fn legend_ui(&self, ui: &mut Ui) -> Response {
@@ -164,21 +159,17 @@ impl ColourScale {
             _ => self.bar_ui(ui),
         };
         let text = match self.by {
-            ColourBy::SlopeDirection if self.has_wheel() => {
-                format!("Legend: slope up to {}", self.limit_text())
+            ColourBy::SlopeDirection if self.has_wheel() => format!("slope up to {}", self.limit_text()),
+            ColourBy::Of(Quantity::AtSlopeLimit) => "inside the searched slopes, or at their limit".to_owned(),
+            ColourBy::Of(Quantity::Moves) => Moves::ALL.map(Moves::words).join(", "),
+            by => {
+                let (name, [min, max]) = (self.name().to_lowercase(), [self.min, self.max].map(|end| number(end, 3)));
+                format!("{name} from {min} to {max} {}", by.unit())
             }
-            ColourBy::Of(Quantity::AtSlopeLimit) => "Legend: inside the searched slopes, or at their limit".to_owned(),
-            ColourBy::Of(Quantity::Moves) => format!("Legend: {}", Moves::ALL.map(Moves::words).join(", ")),
-            by => format!(
-                "Legend: {} from {} to {} {}",
-                self.name().to_lowercase(),
-                super::super::number(self.min, 3),
-                super::super::number(self.max, 3),
-                by.unit()
-            ),
         };
+        let text = format!("Legend: {text}");
         // Screen readers read the text in place of the colours.
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
+        named(&response, egui::Role::Image, &text);
         response.on_hover_text(text)
     }
 
@@ -241,15 +232,14 @@ impl ColourScale {
         strip_of_colours(ui.painter(), bar, self.table.len(), |i, _| self.table[i]);
         ui.painter().rect_stroke(bar, 2.0, Stroke::new(1.0, ui.visuals().weak_text_color()), StrokeKind::Outside);
         let y = bar.bottom() + 3.0;
-        let number = |x| match self.by {
+        let end = |x| match self.by {
             ColourBy::Of(Quantity::AtSlopeLimit) if x == self.min => "inside".to_owned(),
             ColourBy::Of(Quantity::AtSlopeLimit) => "at the limit".to_owned(),
-            _ => super::super::number(x, 3),
+            _ => number(x, 3),
         };
-        ui.painter().text(pos2(bar.left(), y), egui::Align2::LEFT_TOP, number(self.min), small.clone(), colour);
-        ui.painter().text(pos2(bar.right(), y), egui::Align2::RIGHT_TOP, number(self.max), small.clone(), colour);
-        let unit = ui.visuals().weak_text_color();
-        ui.painter().text(pos2(bar.center().x, y), egui::Align2::CENTER_TOP, self.by.unit(), small, unit);
+        ui.painter().text(pos2(bar.left(), y), Align2::LEFT_TOP, end(self.min), small.clone(), colour);
+        ui.painter().text(pos2(bar.right(), y), Align2::RIGHT_TOP, end(self.max), small, colour);
+        small_text(ui, ui.painter(), pos2(bar.center().x, y), Align2::CENTER_TOP, self.by.unit());
         response
     }
 }

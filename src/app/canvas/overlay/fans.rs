@@ -58,10 +58,8 @@ pub fn draw_field(
     let points = 0.5 * every as f32 * cell_points / max_px_per_frame;
     let middle = |cell: usize| (cell as f32 + 0.5) * field.cell_px as f32 - 0.5;
     let seen = output.visible_image;
-    for (u, v) in (0..field.size.1)
-        .step_by(every)
-        .flat_map(|j| (0..field.size.0).step_by(every).map(move |i| (middle(i), middle(j))))
-    {
+    let row = |j: usize| (0..field.size.0).step_by(every).map(move |i| (middle(i), middle(j)));
+    for (u, v) in (0..field.size.1).step_by(every).flat_map(row) {
         let Some(motion) = known(u, v).filter(|_| seen.contains(pos2(u, v))) else { continue };
         let from = output.ui_from_image.pos(pos2(u, v));
         let line = [from, from + points * vec2(motion.slope.u, motion.slope.v)];

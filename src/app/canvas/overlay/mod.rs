@@ -40,17 +40,9 @@ pub struct OverlayStyle<'a> {
 
 impl<'a> OverlayStyle<'a> {
     pub fn new(scale: &'a ColourScale, positions: &'a Positions) -> Self {
-        Self {
-            scale,
-            positions,
-            shown: None,
-            selected: None,
-            hovered: None,
-            stale: false,
-            circles: true,
-            orientations: true,
-            motion: true,
-        }
+        let (shown, selected, hovered, stale) = (None, None, None, false);
+        let (circles, orientations, motion) = (true, true, true);
+        Self { scale, positions, shown, selected, hovered, stale, circles, orientations, motion }
     }
 }
 

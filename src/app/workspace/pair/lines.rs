@@ -37,22 +37,17 @@ pub fn lines_ui(ui: &Ui, model: Read<'_>, drawn: &[Drawn], queue: &mut Queue) ->
     let are_vectors = look.drawn_as == MatchesAs::Vectors;
     let largest = look.by_motion.then(|| model.largest_motion().max(f32::MIN_POSITIVE));
     let rows: Vec<MatchRow<'_>> = model.drawn_matches().into_iter().filter_map(|index| matches.row(index)).collect();
-    let lines: Vec<(Canvases, Vec<MatchLine>)> = views
-        .canvases(are_vectors)
-        .into_iter()
-        .map(|canvases| {
-            let lines = rows.iter().map(|row| line_of(row, canvases.shifts, largest));
-            let is_on = |line: &MatchLine| match look.drawn_as {
-                MatchesAs::Near => {
-                    let near = pointer.is_some_and(|(_, pos)| line.is_near(&canvases.panes, pos));
-                    near || [model.document.selected_match, model.results.pair.hovered].contains(&Some(line.index))
-                }
-                MatchesAs::Lines | MatchesAs::Vectors => true,
-            };
-            let lines = lines.filter(is_on).collect();
-            (canvases, lines)
-        })
-        .collect();
+    let lines_on = |canvases: Canvases| {
+        let lines = rows.iter().map(|row| line_of(row, canvases.shifts, largest));
+        let is_on = |line: &MatchLine| {
+            let is_near = || pointer.is_some_and(|(_, pos)| line.is_near(&canvases.panes, pos));
+            let is_marked = [model.document.selected_match, model.results.pair.hovered].contains(&Some(line.index));
+            look.drawn_as != MatchesAs::Near || is_marked || is_near()
+        };
+        let lines = lines.filter(is_on).collect();
+        (canvases, lines)
+    };
+    let lines: Vec<(Canvases, Vec<MatchLine>)> = views.canvases(are_vectors).into_iter().map(lines_on).collect();
     let at = |pos| lines.iter().rev().find_map(|(canvases, lines)| overlay::match_at(lines, &canvases.panes, pos));
     let pointed = pointer.and_then(|(_, pos)| at(pos));
     let dragged = views.views.iter().any(|view| view.output.response.dragged());
@@ -110,17 +105,9 @@ pub(in crate::app::workspace) fn painter_over(ui: &Ui, views: &MatchViews<'_>, c
 /// the `largest` one.
 pub fn line_of(row: &MatchRow<'_>, shifts: [Offset<f32>; 2], largest: Option<f32>) -> MatchLine {
     let kind = MatchKind::of(row.inlier);
-    let place = |f: &Feature, dt: Offset<f32>| {
-        let f = at_time(f, dt);
-        pos2(f.u, f.v)
-    };
-    MatchLine {
-        index: row.index,
-        a: place(row.a, shifts[0]),
-        b: place(row.b, shifts[1]),
-        kind,
-        colour: largest.map_or(overlay::rgb(kind.color()), |largest| motion_colour(row.motion_apart() / largest)),
-    }
+    let colour = largest.map_or(overlay::rgb(kind.color()), |largest| motion_colour(row.motion_apart() / largest));
+    let [a, b] = [at_time(row.a, shifts[0]), at_time(row.b, shifts[1])].map(|f| pos2(f.u, f.v));
+    MatchLine { index: row.index, a, b, kind, colour }
 }
 
 fn circle_ui(model: Read<'_>, matches: &Matches, side: Side, feature: Feature, output: &CanvasOutput) {
@@ -170,15 +157,11 @@ fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>, passed_limit: Option<String>) {
         None => "",
     };
     let error = row.error_px.map_or_else(String::new, |_| format!("\nerror {}", row.error_words()));
-    let text = format!(
-        "Match {}{verdict}\n{}  distance {:.1}{error}\nslopes ({}) and ({}) px/frame{}",
-        row.index,
-        row.how_words(),
-        row.found.distance,
-        signed_slope(row.a.slope, 2),
-        signed_slope(row.b.slope, 2),
-        passed_limit.map_or_else(String::new, |limit| format!("\n{limit}"))
-    );
+    let [a, b] = [row.a, row.b].map(|feature| signed_slope(feature.slope, 2));
+    let limit = passed_limit.map_or_else(String::new, |limit| format!("\n{limit}"));
+    let (index, how, distance) = (row.index, row.how_words(), row.found.distance);
+    let text = format!("Match {index}{verdict}\n{how}  distance {distance:.1}{error}\n")
+        + &format!("slopes ({a}) and ({b}) px/frame{limit}");
     tip_ui(ui, "match tip", |ui| {
         ui.label(RichText::new(text).monospace());
     });
@@ -259,10 +242,8 @@ impl<'a> MatchViews<'a> {
             Canvases { panes: places.map(pane), shifts, places }
         };
         let is_paired = |place: usize| self.pairs.iter().any(|(a, b)| [*a, *b].contains(&place));
-        let is_alone = |place: &usize| match are_vectors {
-            true => self.views[*place].side == Side::A,
-            false => !is_paired(*place),
-        };
+        let is_alone =
+            |place: &usize| if are_vectors { self.views[*place].side == Side::A } else { !is_paired(*place) };
         let paired = self.pairs.iter().filter(|_| !are_vectors).map(|&(a, b)| canvases(a, [Some(a), Some(b)]));
         let alone = (0..self.views.len()).filter(is_alone).map(|place| match self.views[place].side {
             Side::A => canvases(place, [Some(place), None]),

@@ -36,9 +36,8 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
     }
     if model.shows_right() {
         let match_ui = |ui: &mut Ui| {
-            if match_is_left
-                && ui.button("⏴ Parameters").on_hover_text("Close the match and the probe  (Esc)").clicked()
-            {
+            let tip = "Close the match and the probe  (Esc)";
+            if match_is_left && ui.button("⏴ Parameters").on_hover_text(tip).clicked() {
                 queue.push(ActionId::ClearSelection);
                 queue.push(Action::OpenProbe(false));
             }
@@ -84,8 +83,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         });
         over_list = is_over && model.document.pair_tab == PairTab::Compared;
     }
-    let between = ui.visuals().panel_fill;
-    CentralPanel::default().frame(Frame::new().fill(between)).show(ui, |ui| {
+    CentralPanel::default().frame(Frame::new().fill(ui.visuals().panel_fill)).show(ui, |ui| {
         mark(ui, Part::Pictures, ui.max_rect());
         let drawn = inspector_ui(ui, model, widgets, queue);
         let over_pictures = lines::lines_ui(ui, model, &drawn, queue);
@@ -133,9 +131,8 @@ pub fn sides_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             let response = ui.checkbox(&mut on, id.action().label).on_hover_text(tooltip(ui.ctx(), id.action()));
             queue.push_if(response.clicked(), id);
         }
-        if let Some(error) =
-            model.results.slots.b.param_error.as_ref().filter(|_| model.results.slots.a.param_error.is_none())
-        {
+        let [a, b] = model.results.slots.both().map(|slot| slot.param_error.as_ref());
+        if let Some(error) = b.filter(|_| a.is_none()) {
             error_ui(ui, egui::RichText::new(format!("The parameters do not fit B: {error}")).small());
         }
     });
@@ -143,8 +140,9 @@ pub fn sides_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 
 pub fn switches_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Matches", |ui| {
-        let verified = model.results.pair.matches.as_ref().is_none_or(|m| m.result.verification.is_some());
-        let counts = model.results.pair.matches.as_ref().map(|m| m.result.counts);
+        let result = model.results.pair.matches.as_ref().map(|matches| &matches.result);
+        let verified = result.is_none_or(|result| result.verification.is_some());
+        let counts = result.map(|result| result.counts);
         let inliers = counts.map(|c| c.inliers.unwrap_or(c.putative));
         let outliers = counts.and_then(|c| c.inliers.map(|inliers| c.putative - inliers));
         let mut changed = model.document.match_look;
@@ -220,12 +218,11 @@ fn kind_ui(ui: &mut Ui, on: &mut bool, kind: MatchKind, label: &str, count: Opti
         let (rect, _) = ui.allocate_exact_size(vec2(42.0, 14.0), Sense::hover());
         // Dark as the pictures, so that it looks alike in the light theme.
         ui.painter().rect_filled(rect, 3.0, Color32::from_gray(40));
-        let (from, to) = (rect.left_center() + vec2(4.0, 0.0), rect.right_center() - vec2(4.0, 0.0));
+        let ends = [rect.left_center() + vec2(4.0, 0.0), rect.right_center() - vec2(4.0, 0.0)];
         let stroke = Stroke::new(2.0, rgb(kind.color()));
-        if kind.is_dashed() {
-            ui.painter().extend(egui::Shape::dashed_line(&[from, to], stroke, 6.0, 4.5));
-        } else {
-            ui.painter().line_segment([from, to], stroke);
+        match kind.is_dashed() {
+            true => ui.painter().extend(egui::Shape::dashed_line(&ends, stroke, 6.0, 4.5)),
+            false => _ = ui.painter().line_segment(ends, stroke),
         }
         if let Some(count) = count {
             ui.weak(count.to_string());

@@ -4,7 +4,7 @@ use crate::app::actions::Queue;
 use crate::app::document::{Action, MatchColumn, PairTab, Side};
 use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui, texts};
-use crate::app::panel::widgets::{make_room, progress_text, text_width};
+use crate::app::panel::widgets::{make_room, named, progress_text, text_width};
 use crate::app::results::{Matches, PAIR_NUMBERS, Read, lost_words};
 use crate::app::view::{fixed, signed_slope};
 use crate::inspect::pair::Lost;
@@ -48,21 +48,15 @@ pub fn tabs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let is_compared = model.document.comparisons.both().into_iter().any(|set| set.with.is_some());
         for tab in PairTab::ALL {
             let ([name, help], is_open) = (tab.words(), model.document.pair_tab == tab && model.shows_bottom());
-            if (tab != PairTab::Compared || is_compared || is_open)
-                && ui.selectable_label(is_open, name).on_hover_text(help).clicked()
-            {
-                queue.push(Action::SetPairTab(tab));
-            }
+            let is_there = tab != PairTab::Compared || is_compared || is_open;
+            let is_clicked = is_there && ui.selectable_label(is_open, name).on_hover_text(help).clicked();
+            queue.push_if(is_clicked, Action::SetPairTab(tab));
         }
         ui.separator();
         numbers_ui(ui, model);
     };
     // Only above the table is there room for a second line: the pictures stay where they are.
-    if model.shows_bottom() {
-        ui.horizontal_wrapped(row)
-    } else {
-        ui.horizontal(row)
-    };
+    let _ = if model.shows_bottom() { ui.horizontal_wrapped(row) } else { ui.horizontal(row) };
 }
 
 /// Draws the steps at which features of A were lost, each with its count and its switch.
@@ -95,18 +89,16 @@ pub fn lost_table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         return;
     };
     let hidden = &model.document.hidden_losses;
-    let listed: Vec<usize> = (0..found.lost.len())
-        .filter(|&index| found.lost[index] != Lost::Not && !hidden.contains(&found.lost[index]))
-        .filter(|&index| model.results.pair.lost.twin(index).is_none())
-        .collect();
-    let listed = Listed { items: &listed, selected: model.asked_feature(), hovered: None };
+    let is_listed = |(index, lost): &(usize, &Lost)| {
+        **lost != Lost::Not && !hidden.contains(lost) && model.results.pair.lost.twin(*index).is_none()
+    };
+    let items: Vec<usize> = found.lost.iter().enumerate().filter(is_listed).map(|(index, _)| index).collect();
+    let listed = Listed { items: &items, selected: model.asked_feature(), hovered: None };
     let text = |column: usize, index: usize| {
         let f = &found.request.request.a.features[index];
         match column {
-            0 => match model.results.pair.lost.others(index) {
-                0 => index.to_string(),
-                more => format!("{index} +{more}"),
-            },
+            0 if model.results.pair.lost.others(index) == 0 => index.to_string(),
+            0 => format!("{index} +{}", model.results.pair.lost.others(index)),
             1 => lost_words(found.lost[index])[0].to_owned(),
             2 => fixed(f.u, 1),
             3 => fixed(f.v, 1),
@@ -136,14 +128,13 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>) {
         if model.shows_bottom() {
             make_room(ui, text_width(ui, name.clone()) + NAME_GAP + text_width(ui, value.clone()));
         }
-        let response = ui
-            .horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = NAME_GAP;
-                ui.add(Label::new(name).selectable(false));
-                ui.add(Label::new(value));
-            })
-            .response;
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &text));
+        let number_ui = |ui: &mut Ui| {
+            ui.spacing_mut().item_spacing.x = NAME_GAP;
+            ui.add(Label::new(name).selectable(false));
+            ui.add(Label::new(value));
+        };
+        let response = ui.horizontal(number_ui).response;
+        named(&response, egui::Role::Label, text);
         response.on_hover_text(help);
     }
     if let Some(problem) = model.stale_matches().map(str::to_owned).or_else(|| without_geometry(matches)) {
@@ -172,23 +163,14 @@ fn without_geometry(matches: &Matches) -> Option<String> {
 }
 
 fn missing(model: Read<'_>) -> String {
-    if model.burst_of(Side::B).is_none() {
-        return "Open a second burst to match it with the first".into();
-    }
-    if let Some(error) = &model.results.pair.param_error {
-        return format!("No matches: {error}");
-    }
-    if model.results.pair.matching.is_pending() {
-        return "Matching…".into();
-    }
-    if Side::BOTH.into_iter().any(|side| model.results.slots[side].detecting.is_pending()) {
-        return "Detecting…".into();
-    }
-    let without: Vec<&str> =
-        Side::BOTH.into_iter().filter(|side| model.found_of(*side).is_none()).map(Side::name).collect();
-    if without.is_empty() {
-        "No matches yet".into()
-    } else {
-        format!("No features yet in {}: press Detect", without.join(" and "))
+    let without = Side::BOTH.into_iter().filter(|side| model.found_of(*side).is_none());
+    let without = without.map(Side::name).collect::<Vec<_>>().join(" and ");
+    match &model.results.pair.param_error {
+        _ if model.burst_of(Side::B).is_none() => "Open a second burst to match it with the first".to_owned(),
+        Some(error) => format!("No matches: {error}"),
+        None if model.results.pair.matching.is_pending() => "Matching…".to_owned(),
+        None if model.results.slots.both().iter().any(|slot| slot.detecting.is_pending()) => "Detecting…".to_owned(),
+        None if without.is_empty() => "No matches yet".to_owned(),
+        None => format!("No features yet in {without}: press Detect"),
     }
 }
