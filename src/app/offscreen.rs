@@ -113,22 +113,18 @@ impl Offscreen {
     pub fn image(&mut self) -> Result<RgbaImage, Error> {
         let failure = |context: &egui::Context| gpu::Gpu::of(context).and_then(|gpu| gpu.newest_failure());
         let before = failure(&self.context);
-        let drawn = self.image_on_a_device()?;
+        let drawn = (!self.is_lost()).then(|| self.draw());
+        let drawn = match drawn.filter(|_| !self.is_lost()) {
+            Some(drawn) => drawn?,
+            None => {
+                self.set_up_again()?;
+                self.draw()?
+            }
+        };
         match failure(&self.context).filter(|newest| before.as_ref() != Some(newest)) {
             Some((_, why)) => Err(Error::new(ErrorKind::NoMemory, why, "")),
             None => Ok(drawn),
         }
-    }
-
-    fn image_on_a_device(&mut self) -> Result<RgbaImage, Error> {
-        if !self.is_lost() {
-            let drawn = self.draw();
-            if !self.is_lost() {
-                return drawn;
-            }
-        }
-        self.set_up_again()?;
-        self.draw()
     }
 
     fn draw(&self) -> Result<RgbaImage, Error> {
@@ -143,24 +139,15 @@ impl Offscreen {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
         let texture = device.create_texture(&gpu::flat_texture("burstscope offscreen", size, *target_format, usage));
         let view = texture.create_view(&Default::default());
-        {
-            let mut pass = encoder
-                .begin_render_pass(&wgpu::RenderPassDescriptor {
-                    label: Some("burstscope offscreen"),
-                    color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                        view: &view,
-                        resolve_target: None,
-                        ops: wgpu::Operations {
-                            load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                            store: wgpu::StoreOp::Store,
-                        },
-                        depth_slice: None,
-                    })],
-                    ..Default::default()
-                })
-                .forget_lifetime();
-            renderer.render(&mut pass, &primitives, &screen);
-        }
+        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store };
+        let attachment = wgpu::RenderPassColorAttachment { view: &view, resolve_target: None, ops, depth_slice: None };
+        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("burstscope offscreen"),
+            color_attachments: &[Some(attachment)],
+            ..Default::default()
+        });
+        // The pass ends with this statement.
+        renderer.render(&mut pass.forget_lifetime(), &primitives, &screen);
         commands.push(encoder.finish());
         queue.submit(commands);
         read_back(device, queue, &texture)
@@ -232,18 +219,10 @@ fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
         mapped_at_creation: false,
     });
     let mut encoder = device.create_command_encoder(&Default::default());
-    encoder.copy_texture_to_buffer(
-        texture.as_image_copy(),
-        wgpu::TexelCopyBufferInfo {
-            buffer: &buffer,
-            layout: wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(padded_bytes as u32),
-                rows_per_image: None,
-            },
-        },
-        texture.size(),
-    );
+    let bytes_per_row = Some(padded_bytes as u32);
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
+    let into = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), into, texture.size());
     let submission = queue.submit([encoder.finish()]);
     let timeout = CARD_TIMEOUT * (width * height).div_ceil(TIMED_PIXELS);
     let (sender, receiver) = std::sync::mpsc::channel();
@@ -254,9 +233,8 @@ fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
     let failed = |error: &dyn std::fmt::Display| {
         Error::new(ErrorKind::Failed, format!("the graphics adapter failed while drawing: {error}"), "")
     };
-    device
-        .poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(timeout) })
-        .map_err(|e| failed(&e))?;
+    let wait = wgpu::PollType::Wait { submission_index: Some(submission), timeout: Some(timeout) };
+    device.poll(wait).map_err(|e| failed(&e))?;
     receiver.recv_timeout(timeout).map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
     let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
     let mut bytes = Vec::with_capacity(row_bytes * height as usize);

@@ -65,11 +65,6 @@ impl Overlays {
         self.path_field = Some(PathField::new(purpose, text, instead_of_dialog));
     }
 
-    pub fn offers_cut(&self, model: Read<'_>) -> bool {
-        let open = model.burst_of(Side::A).map(|open| open.id);
-        model.is_film() && self.stays_whole != open && self.cut.is_none()
-    }
-
     pub fn are_modal(&self, lessons: &Lessons) -> bool {
         self.palette.is_open()
             || self.sheet_open
@@ -115,12 +110,8 @@ impl Overlays {
         }
         if let Some(dialog) = &mut self.cut {
             let (source, stay) = dialog.ui(ctx);
-            if !stay {
-                self.cut = None;
-            }
-            if let Some(source) = source {
-                queue.push(Action::OpenDataset(source));
-            }
+            self.cut.take_if(|_| !stay);
+            source.into_iter().for_each(|source| queue.push(Action::OpenDataset(source)));
         }
         super::dataset::replace_features_ui(ctx, &mut self.replace_features, &model.results.datasets, queue);
         let has_filmstrip = model.results.datasets.open.is_some() && model.document.panels.filmstrip;
@@ -138,9 +129,7 @@ impl Overlays {
         if let Some(field) = &mut self.path_field {
             let purpose = field.purpose;
             let (path, stay) = field.ui(ctx, (model, &remembered.recent_paths(purpose)), queue);
-            if !stay {
-                self.path_field = None;
-            }
+            self.path_field.take_if(|_| !stay);
             let path = path?;
             if !purpose.saves() {
                 return Some(Effect::UseFiles(purpose, vec![path]));

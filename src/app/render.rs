@@ -58,11 +58,10 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
         Some(_) => begin.clone(),
         None => Startup { settings, ..begin.clone() },
     };
-    let mut placed = false;
+    let (mut placed, mut opened) = (false, Vec::new());
     let (mut problem, unfit) = (None, RefCell::new(None));
-    let mut opened = Vec::new();
     let rendered = render_offscreen(
-        egui::vec2(options.size_points.0, options.size_points.1),
+        options.size_points.into(),
         options.scale,
         options.max_duration,
         &options.monitor,
@@ -75,8 +74,8 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
             if is_open && !placed {
                 if begin.session.is_none() && begin.lesson.is_none() && begin.play.is_none() {
                     place(app, options);
-                    *unfit.borrow_mut() =
-                        app.model.results.slots.a.burst.as_ref().and_then(|b| check_cursor(&b.burst, options).err());
+                    let burst = app.model.results.slots.a.burst.as_ref();
+                    unfit.replace(burst.and_then(|open| check_cursor(&open.burst, options).err()));
                 }
                 placed = true;
             }
@@ -96,18 +95,16 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
             let failed = !app.model.shell.messages.errors().is_empty() || !app.choice().is_empty();
             let answered = app.model.results.slots.a.burst.is_some() || failed || begin.play.is_some();
             if app.asks_for_shape() {
-                *unfit.borrow_mut() = Some(no_shape(options));
+                unfit.replace(Some(no_shape(options)));
             }
             let second = begin.second.is_none() || app.model.results.slots.b.burst.is_some() || failed;
             unfit.borrow().is_some() || (app.is_settled() && answered && second)
         },
     )?;
     options.monitor.check()?;
-    if let Some(unfit) = unfit.into_inner() {
-        return Err(unfit);
-    }
-    if let Some(problem) = problem {
-        return Err(Error::new(ErrorKind::Failed, problem, ""));
+    let problem = problem.map(|problem| Error::new(ErrorKind::Failed, problem, ""));
+    if let Some(error) = unfit.into_inner().or(problem) {
+        return Err(error);
     }
     if !rendered.settled {
         let problem = format!("the window was not ready after {} seconds", options.max_duration.as_secs());
@@ -124,23 +121,15 @@ fn no_shape(options: &RenderOptions) -> Error {
     let Startup { source, second, calibration, .. } = &options.startup;
     let mut sources = [source, second].into_iter().flatten();
     let error = sources.find_map(|source| source.info(calibration, &options.monitor).err());
-    error.unwrap_or_else(|| {
-        Error::new(
-            ErrorKind::NoShape,
-            "the shape of a file without header is not said",
-            "give it in the calibration (raw)",
-        )
-    })
+    let (problem, remedy) = ("the shape of a file without header is not said", "give it in the calibration (raw)");
+    error.unwrap_or_else(|| Error::new(ErrorKind::NoShape, problem, remedy))
 }
 
 /// The burst has the frame, octave and level, and the slope stays within it; worded as by `stack`.
 fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), Error> {
     if let Some(frame) = options.frame.filter(|frame| *frame >= burst.len()) {
-        return Err(Error::param(
-            "frame",
-            format!("there is no frame {frame} in a burst of {}", burst.len()),
-            format!("give 0 to {}", burst.len() - 1),
-        ));
+        let problem = format!("there is no frame {frame} in a burst of {}", burst.len());
+        return Err(Error::param("frame", problem, format!("give 0 to {}", burst.len() - 1)));
     }
     let params = options.startup.params.at(SlopeGrid::single(options.slope.unwrap_or_default()));
     params.validate_for(&burst.positions, burst.size())?;

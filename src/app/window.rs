@@ -118,8 +118,8 @@ impl BurstscopeApp {
         methods::refresh_workspace(&mut self.model);
         let title = self.read().title();
         if self.title != title {
-            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
-            self.title = title;
+            self.title.clone_from(&title);
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title));
         }
         self.take_answers(&ctx);
         self.take_dropped_files(&ctx);
@@ -129,11 +129,11 @@ impl BurstscopeApp {
         let recovery_asks = self.recovery.as_ref().is_some_and(|recovery| recovery.is_asking);
         if !self.overlays.are_modal(&self.lessons) && !recovery_asks && !self.chooser.is_asking() {
             self.overlays.glossary.take_escape(&ctx);
-            asked = take_hall_keys(&ctx, &self.lessons, Read::of(&self.model));
-            actions::take_shortcuts(&ctx, Read::of(&self.model), &mut queue);
+            asked = take_hall_keys(&ctx, &self.lessons, self.read());
+            actions::take_shortcuts(&ctx, self.read(), &mut queue);
             queue.push_if(ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)), ActionId::Palette);
             if clipboard::is_asked(&ctx) {
-                self.note(clipboard::copy_row(&ctx, Read::of(&self.model), &self.widgets));
+                self.note(clipboard::copy_row(&ctx, self.read(), &self.widgets));
             }
         }
         let plays_on = self.play_step(&ctx);
@@ -211,8 +211,7 @@ impl BurstscopeApp {
         }
     }
 
-    fn go_on_with_lesson(&mut self, ctx: &egui::Context, asked: Option<LessonAction>) {
-        let mut asked = asked;
+    fn go_on_with_lesson(&mut self, ctx: &egui::Context, mut asked: Option<LessonAction>) {
         loop {
             let is_restoring = self.restoring.waits_for(Read::of(&self.model)).is_some();
             let staged = self.lessons.go_on(asked.take(), is_restoring, Read::of(&self.model));
@@ -257,9 +256,8 @@ impl BurstscopeApp {
         });
         let in_toolbar = |part: &Part| matches!(part, Part::Kinds | Part::Detect);
         if !self.model.document.panels.hall || self.lessons.highlighted().iter().any(in_toolbar) {
-            Panel::top("toolbar")
-                .frame(bar(ui))
-                .show(ui, |ui| panel::toolbar::toolbar_ui(ui, Read::of(&self.model), queue));
+            let toolbar_ui = |ui: &mut Ui| panel::toolbar::toolbar_ui(ui, self.read(), queue);
+            Panel::top("toolbar").frame(bar(ui)).show(ui, toolbar_ui);
         }
         let status = Panel::bottom("status bar").frame(bar(ui));
         let readout = self.readout();
@@ -278,16 +276,14 @@ impl BurstscopeApp {
         let asked = self.lesson_panel_ui(ui, queue);
         let mut start_lesson = None;
         if self.model.results.slots.a.burst.is_none() && self.model.document.workspace.needs_burst() {
-            CentralPanel::default().show(ui, |ui| {
-                start_lesson =
-                    panel::welcome::welcome_ui(ui, Read::of(&self.model), &self.settings, &self.lessons, queue);
-            });
+            let page_ui =
+                |ui: &mut Ui| panel::welcome::welcome_ui(ui, self.read(), &self.settings, &self.lessons, queue);
+            start_lesson = CentralPanel::default().show(ui, page_ui).inner;
         } else {
-            let Self { model, widgets, .. } = self;
-            workspace_ui(ui, &mut WorkspaceParts { model: Read::of(model), widgets, queue });
-            if let Some(rect_ui) = self.widgets.get(self.model.document.focus()).and_then(|widgets| widgets.rect_ui) {
-                let Self { model, lessons, .. } = self;
-                start_lesson = panel::welcome::card_ui(ui.ctx(), Read::of(model), lessons, rect_ui, queue);
+            let (model, widgets) = (Read::of(&self.model), &mut self.widgets);
+            workspace_ui(ui, &mut WorkspaceParts { model, widgets, queue });
+            if let Some(rect_ui) = self.widgets.rect_ui(self.model.document.focus()) {
+                start_lesson = panel::welcome::card_ui(ui.ctx(), self.read(), &self.lessons, rect_ui, queue);
             }
         }
         self.drop_hint_ui(ui);
@@ -301,8 +297,7 @@ impl BurstscopeApp {
         {
             let offer_ui = |ui: &mut Ui| panel::status::recovery_ui(ui, &offer);
             if let Some(choice) = Panel::top("recovery offer").frame(bar).show(ui, offer_ui).inner {
-                let path = recovery.settle(choice, &mut self.model.shell.messages);
-                if let Some(path) = path {
+                if let Some(path) = recovery.settle(choice, &mut self.model.shell.messages) {
                     self.apply([Effect::UseFiles(Purpose::RestoreSession, vec![path])]);
                     let waits_for = self.restoring.waits_for(Read::of(&self.model));
                     self.recovery.iter_mut().for_each(|recovery| recovery.restoring = waits_for);
@@ -312,11 +307,12 @@ impl BurstscopeApp {
         if let Some(own) = &self.model.results.left_behind {
             Panel::top("left behind").frame(bar).show(ui, |ui| panel::status::left_behind_ui(ui, own, queue));
         }
-        if self.overlays.offers_cut(Read::of(&self.model)) {
-            let (frames, length) = (Read::of(&self.model).frame_count(), self.settings.burst_length);
+        let open = self.read().burst_of(Side::A).map(|open| open.id);
+        if self.read().is_film() && self.overlays.stays_whole != open && self.overlays.cut.is_none() {
+            let (frames, length) = (self.read().frame_count(), self.settings.burst_length);
             let offer_ui = |ui: &mut Ui| cut_offer_ui(ui, frames, length, queue);
             if Panel::top("cut offer").frame(bar).show(ui, offer_ui).inner {
-                self.overlays.stays_whole = Read::of(&self.model).burst_of(Side::A).map(|open| open.id);
+                self.overlays.stays_whole = open;
             }
         }
     }
@@ -335,7 +331,7 @@ impl BurstscopeApp {
 
     fn drop_hint_ui(&self, ui: &Ui) {
         let hint = |side: Side| if side == Side::A { "Let go to open as A" } else { "Let go to open as B" };
-        let places = drop_places(Read::of(&self.model), &self.widgets).into_iter();
+        let places = drop_places(self.read(), &self.widgets).into_iter();
         let mut hints: Vec<_> = places.map(|(rect, side)| (rect, hint(side))).collect();
         if hints.is_empty() {
             hints.push((ui.ctx().content_rect(), "Let go to open"));
@@ -369,8 +365,8 @@ impl BurstscopeApp {
 
     /// Saves the session, in case no other device is found, and closes the window to be opened again.
     fn leaves_lost_device(&mut self, ctx: &egui::Context) -> bool {
-        let Some(gpu) = super::gpu::Gpu::of(ctx) else { return false };
-        let Some(why) = gpu.lost() else { return false };
+        let gpu = super::gpu::Gpu::of(ctx);
+        let Some(why) = gpu.as_ref().and_then(super::gpu::Gpu::lost) else { return false };
         self.lose_device(why);
         ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         true

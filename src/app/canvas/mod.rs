@@ -16,9 +16,7 @@ pub use readout::{Quantity, Readout, VALUE_MIN_POINTS, readable_on, readout};
 
 use crate::app::gpu::{Gpu, PicturePaint};
 use crate::plane::display::Display;
-use egui::{
-    Align2, Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, Vec2,
-};
+use egui::{Align2, Color32, CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 
 pub struct Canvas<'a> {
     /// For screen readers and tests; no two on screen may share a name.
@@ -170,7 +168,7 @@ pub fn backdrop(ui: &Ui) -> Color32 {
 }
 
 pub fn message(ui: &Ui, painter: &Painter, rect: Rect, text: &str) {
-    let font = TextStyle::Body.resolve(ui.style());
+    let font = egui::TextStyle::Body.resolve(ui.style());
     let width = (rect.width() - 32.0).clamp(40.0, 460.0);
     let mut job = egui::text::LayoutJob::simple(text.to_owned(), font, ui.visuals().weak_text_color(), width);
     job.halign = egui::Align::Center;

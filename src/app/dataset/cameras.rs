@@ -12,9 +12,7 @@ use crate::evaluate::poses::sparse::SparseImage;
 use crate::evaluate::poses::{PairReport, PoseReport, Projection};
 use crate::export::round_length;
 use crate::requests::Which;
-use egui::{
-    Align2, Color32, FontId, Mesh, Painter, PointerButton, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2,
-};
+use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
 
 /// Maximum distance of the pointer from a camera, in points.
 const REACH: f32 = 12.0;
@@ -80,7 +78,7 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         view = before;
     } else if is_free && response.double_clicked() {
         queue.edit(model.document, Action::Orbit([0.0; 2]));
-    } else if is_free && response.dragged_by(PointerButton::Primary) {
+    } else if is_free && response.dragged_by(egui::PointerButton::Primary) {
         let ([around, above], by) = (model.document.trajectories.orbit, DEGREES_PER_POINT * response.drag_delta());
         // Up stays up: the view goes no farther than to straight above or below.
         let above = (above + by.y + ORBIT_BEGINS[1]).clamp(-90.0, 90.0) - ORBIT_BEGINS[1];

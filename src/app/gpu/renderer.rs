@@ -135,9 +135,7 @@ impl PictureRenderer {
             Err(message) => {
                 self.failures.lock().ok()?.insert(id, message);
                 // The canvas reports the failure, and has been drawn already in this pass.
-                if let Some(window) = &self.window {
-                    window.request_repaint();
-                }
+                self.window.iter().for_each(egui::Context::request_repaint);
                 None
             }
         }
@@ -151,18 +149,16 @@ impl PictureRenderer {
         }
         let frame = self.frame;
         let mut bytes: u64 = self.pictures.values().map(|p| p.texture.layout.bytes()).sum();
-        if bytes > self.budget_bytes {
-            let unseen = self.pictures.iter().filter(|(_, p)| p.last_used_frame < frame);
-            let mut unseen: Vec<(u64, PictureId)> = unseen.map(|(&id, p)| (p.last_used_frame, id)).collect();
-            unseen.sort_unstable();
-            for (_, id) in unseen {
-                if bytes <= self.budget_bytes {
-                    break;
-                }
-                bytes -= self.pictures.remove(&id).map_or(0, |p| p.texture.layout.bytes());
-                // A bind group would keep the texture's memory alive.
-                self.panes.retain(|_, pane| pane.picture != id);
+        let unseen = self.pictures.iter().filter(|(_, p)| p.last_used_frame < frame);
+        let mut unseen: Vec<(u64, PictureId)> = unseen.map(|(&id, p)| (p.last_used_frame, id)).collect();
+        unseen.sort_unstable();
+        for (_, id) in unseen {
+            if bytes <= self.budget_bytes {
+                break;
             }
+            bytes -= self.pictures.remove(&id).map_or(0, |p| p.texture.layout.bytes());
+            // A bind group would keep the texture's memory alive.
+            self.panes.retain(|_, pane| pane.picture != id);
         }
         self.panes.retain(|_, pane| frame - pane.last_used_frame < PANE_LIFETIME_FRAMES);
         self.frame += 1;

@@ -348,14 +348,10 @@ fn draw_labels(ui: &Ui, painter: &Painter, geometry: &PlotGeometry) {
 
 /// Axis that contains all values and the display range, with a margin of 4 % of its length at each end.
 fn axis_for(data_range: Option<(f32, f32)>, display: &Display) -> Rangef {
-    let (low, high) =
-        data_range.map_or((display.min, display.max), |(low, high)| (low.min(display.min), high.max(display.max)));
-    let (low, high) = if display.symmetric {
-        let limit = low.abs().max(high.abs());
-        (-limit, limit)
-    } else {
-        (low, high)
-    };
+    let (low, high) = data_range.unwrap_or((display.min, display.max));
+    let (low, high) = (low.min(display.min), high.max(display.max));
+    let limit = low.abs().max(high.abs());
+    let (low, high) = if display.symmetric { (-limit, limit) } else { (low, high) };
     let room = 0.04 * (high - low);
     Rangef::new(low - room, high + room)
 }

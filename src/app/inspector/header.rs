@@ -15,8 +15,7 @@ use crate::app::results::Read;
 use crate::app::{canvas, style};
 use crate::inspect::words::capitalised;
 use egui::{
-    Align, Button, CursorIcon, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind,
-    Ui, Vec2, vec2,
+    Align, Button, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, Ui, Vec2, vec2,
 };
 
 // Minimum widths of headers, in points: on one line (others have the links on a second one), with range and zoom, and
@@ -104,7 +103,7 @@ fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> 
     let label = ui.add(Label::new(RichText::new(&text).strong()).truncate().selectable(false).sense(sense));
     let tip = if many { format!("{long}\nDrag it to put this pane elsewhere") } else { long };
     let label = label.on_hover_text(tip);
-    if many { label.on_hover_cursor(CursorIcon::Grab) } else { label }
+    if many { label.on_hover_cursor(egui::CursorIcon::Grab) } else { label }
 }
 
 /// Draws how many features are drawn in full of those in view, where there is room as a menu of which those are.
@@ -284,7 +283,7 @@ fn draw(ui: &Ui, icon: Icon, rect: Rect, stroke: Stroke) {
     let frame = Rect::from_center_size(rect.center(), vec2(13.0, 11.0));
     let line = |from: Pos2, to: Pos2| painter.line_segment([from, to], stroke);
     if matches!(icon, Icon::SplitRight | Icon::SplitDown) {
-        painter.rect_stroke(frame, 2.0, stroke, StrokeKind::Inside);
+        painter.rect_stroke(frame, 2.0, stroke, egui::StrokeKind::Inside);
     }
     match icon {
         Icon::SplitRight => _ = line(frame.center_top(), frame.center_bottom()),

@@ -18,8 +18,7 @@ use crate::plane::Plane;
 use crate::requests::{Probed, ViewKind};
 use egui::text::LayoutJob;
 use egui::{
-    Align2, AsIdSalt, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2,
-    vec2,
+    Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
 };
 
 pub struct Drawn {
@@ -182,7 +181,7 @@ pub(in crate::app) fn chip_ui(
     output: &CanvasOutput,
     corner: Align2,
     text: &str,
-    salt: impl AsIdSalt,
+    salt: impl egui::AsIdSalt,
 ) -> Response {
     let painter = &output.painter;
     let rect = output.response.rect.intersect(painter.clip_rect());

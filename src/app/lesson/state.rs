@@ -82,11 +82,12 @@ impl OpenLesson {
 
     /// The step as it begins, once its bursts are open.
     fn set_up(&mut self, model: Read<'_>) -> Option<Staged> {
-        let is_open = |side, source: &Option<BurstSource>| {
-            source.as_ref().is_none_or(|source| model.burst_of(side).is_some_and(|b| b.source == *source))
+        let bursts = self.bursts();
+        let is_open = |side| {
+            let of = |source: &BurstSource| model.burst_of(side).is_some_and(|b| b.source == *source);
+            bursts[side].as_ref().is_none_or(of)
         };
-        let Sides { a, b } = self.bursts();
-        if !(is_open(Side::A, &a) && is_open(Side::B, &b)) {
+        if !Side::BOTH.into_iter().all(is_open) {
             return None;
         }
         (self.is_ready, self.selects) = (true, self.step().state.select == Some(true));
@@ -184,10 +185,9 @@ impl Lessons {
                 if let Some(open) = &mut self.open {
                     let spot = open.step().state.spot;
                     (open.step, open.is_ended) = (step.min(open.lesson.steps.len() - 1), false);
-                    // Measurements of the same spot stay from step to step.
-                    let is_same = spot == open.step().state.spot;
                     open.snr.next = None;
-                    if !is_same {
+                    // Measurements of the same spot stay from step to step.
+                    if spot != open.step().state.spot {
                         open.snr = SnrTrace::default();
                     }
                 }
@@ -216,8 +216,8 @@ impl Lessons {
             return self.begin_step();
         }
         let is_met = open.step().task.as_ref().is_some_and(|task| steps::is_met(&task.goal, model));
-        let (selects, is_news) = (open.select_first(model), is_met && open.done.insert(open.step));
-        if is_news {
+        let selects = open.select_first(model);
+        if is_met && open.done.insert(open.step) {
             self.remember();
         }
         selects.into_iter().collect()

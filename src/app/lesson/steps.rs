@@ -44,13 +44,8 @@ fn document_of(step: &Step, frames: usize, before: &Document) -> Document {
     let state = step.state.clone();
     let auto_detect = state.detect.unwrap_or(false);
     let has_features = state.features.unwrap_or(auto_detect);
-    let set_up = SetUpState {
-        values: state.set_up.unwrap_or_default(),
-        is_open: state.set_up.is_some(),
-        ..SetUpState::default()
-    };
-    let (selected, selected_match, playing) = (None, None, false);
-    let trajectories = Trajectories { selected: None, view: View::fit(), ..before.trajectories.clone() };
+    let (values, is_open) = (state.set_up.unwrap_or_default(), state.set_up.is_some());
+    let set_up = SetUpState { values, is_open, ..SetUpState::default() };
     let mut document = Document {
         workspace: state.workspace.unwrap_or_default(),
         matching: state.matching.clone().unwrap_or_default(),
@@ -63,14 +58,15 @@ fn document_of(step: &Step, frames: usize, before: &Document) -> Document {
         measure: Default::default(),
         probe: Default::default(),
         set_up,
-        trajectories,
-        ..Document { selected, selected_match, playing, ..before.clone() }
+        trajectories: Trajectories { selected: None, view: View::fit(), ..before.trajectories.clone() },
+        selected: None,
+        selected_match: None,
+        playing: false,
+        ..before.clone()
     };
     document.read_depths(false);
-    document.params = state
-        .params
-        .clone()
-        .unwrap_or_else(|| SearchParams { slopes: SlopeGrid::default().into(), ..SearchParams::default() });
+    let given = || SearchParams { slopes: SlopeGrid::default().into(), ..SearchParams::default() };
+    document.params = state.params.clone().unwrap_or_else(given);
     document.look.overlay = if has_features { FeaturesShown::ThisSlope } else { FeaturesShown::None };
     document.look.ranges.forget();
     set_panes(&mut document.panes, &state, frames);

@@ -16,10 +16,7 @@ use crate::burst::Burst;
 use crate::plane::sample::{ProfileSample, profile};
 use crate::plane::statistics::Region;
 use crate::teach::BottomTab;
-use egui::{
-    Align, Color32, Frame, Layout, Margin, PointerButton, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, UiBuilder,
-    vec2,
-};
+use egui::{Align, Color32, Frame, Layout, Margin, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, UiBuilder, vec2};
 
 #[derive(Debug, Clone)]
 pub struct PaneRegion {
@@ -104,7 +101,7 @@ pub fn draw_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Q
         queue.edit(model.document, Action::SetMeasure(measure));
         return;
     }
-    if response.drag_started_by(PointerButton::Primary)
+    if response.drag_started_by(egui::PointerButton::Primary)
         && let Some(pos) = response.interact_pointer_pos()
     {
         // Place of the press, not the place where the drag was recognised.

@@ -227,8 +227,8 @@ pub fn marks_ui(ui: &Ui, model: Read<'_>, place: &RowsInPane<'_>, output: &Canva
 
 pub fn legend_ui(ui: &mut Ui, model: Read<'_>, in_pane: &RowsInPane<'_>, output: &CanvasOutput, queue: &mut Queue) {
     let RowsInPane { side, shown, .. } = *in_pane;
-    let kinds: Vec<Compared> =
-        Compared::of(shown.with).iter().copied().filter(|kind| model.document.comparisons[side].shows(*kind)).collect();
+    let is_shown = |kind: &Compared| model.document.comparisons[side].shows(*kind);
+    let kinds: Vec<Compared> = Compared::of(shown.with).iter().copied().filter(is_shown).collect();
     let size = vec2(196.0, 16.0 + 18.0 * kinds.len() as f32);
     legend::legend_ui(ui, model, (Align2::RIGHT_BOTTOM, output.response.rect, size), queue, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;

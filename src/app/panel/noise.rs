@@ -92,8 +92,8 @@ fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
     let span = (last.brightness - first.brightness).max(1e-3);
     let (low, high) = (first.brightness - 0.05 * span, last.brightness + 0.05 * span);
     let sigma_at = |brightness: f32| noise.transfer.variance(brightness).sqrt();
-    let top =
-        points.iter().map(|p| p.variance.sqrt()).chain([sigma_at(low), sigma_at(high)]).fold(1e-6, f32::max) * 1.15;
+    let sigmas = points.iter().map(|p| p.variance.sqrt()).chain([low, high].map(sigma_at));
+    let top = sigmas.fold(1e-6, f32::max) * 1.15;
     let inner = rect.shrink2(vec2(8.0, 18.0));
     let place = |brightness: f32, sigma: f32| -> Pos2 {
         let part = vec2((brightness - low) / (high - low), -sigma / top);

@@ -2,7 +2,7 @@
 
 use crate::app::panel::widgets::{error_ui, hint};
 use crate::app::words::explained;
-use crate::detector::params::{Drag, Field, Param, ParamDoc, Word};
+use crate::detector::params::{Drag, Field, Param, ParamDoc};
 use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis};
 use crate::error::Error;
 use crate::teach::Part;
@@ -24,38 +24,37 @@ impl<P: Clone> ParamTable<'_, P> {
     /// it is greyed out.
     pub fn row(&self, ui: &mut Ui, record: &Param<P>, params: &mut P) {
         let default = record.text(&self.defaults);
-        self.row_with(
-            ui,
-            record,
-            params,
-            |ui, params, label| {
-                field_ui(ui, (record.field)(params), &record.drag, label, self.frame_count);
-                if let Some((_, note)) = self.note.as_ref().filter(|(name, _)| *name == record.name) {
-                    ui.weak(note);
-                }
-            },
-            |ui, params| {
-                if reset_ui(ui, record, record.text(params) != default) {
-                    record.read(params, &default).expect("a record reads what it writes");
-                }
-            },
-        );
+        let differs = record.text(params) != default;
+        let reset = |params: &mut P| record.read(params, &default).expect("a record reads what it writes");
+        self.row_with(ui, record, params, (differs, reset), |ui, params, label| {
+            field_ui(ui, (record.field)(params), &record.drag, label, self.frame_count);
+            if let Some((_, note)) = self.note.as_ref().filter(|(name, _)| *name == record.name) {
+                ui.weak(note);
+            }
+        });
     }
 
-    /// Draws the row of one parameter with an editor and a reset button of its own.
+    /// Draws the row of one parameter with an editor of its own. Where its value `differs` from the default there is a
+    /// button, which applies `reset`.
     pub fn row_with<V>(
         &self,
         ui: &mut Ui,
         record: &Param<P>,
         value: &mut V,
+        (differs, reset): (bool, impl FnOnce(&mut V)),
         editor: impl FnOnce(&mut Ui, &mut V, Id),
-        reset: impl FnOnce(&mut Ui, &mut V),
     ) {
         let wrong = self.error.filter(|e| e.subject == record.name);
         let row = ui.horizontal(|ui| {
             let label = label_ui(ui, record, wrong.is_some());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                reset(ui, value);
+                let name = format!("Reset {}", record.label);
+                let button = egui::Button::new(RichText::new("↺").weak()).frame(false).min_size(vec2(14.0, 0.0));
+                let response = ui.add_visible(differs, button);
+                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, differs, &name));
+                if response.on_hover_text(format!("{name} to its default")).clicked() {
+                    reset(value);
+                }
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| editor(ui, value, label.id));
             });
         });
@@ -74,7 +73,11 @@ fn field_ui(ui: &mut Ui, field: Field<'_>, drag: &Drag, label: Id, frame_count: 
         Field::Usize(n) => number_ui(ui, dragged(DragValue::new(n), drag), label),
         Field::U64(n) => number_ui(ui, dragged(DragValue::new(n), drag), label),
         Field::Flag(flag) => _ = ui.checkbox(flag, "").labelled_by(label),
-        Field::Word(word) => word_ui(ui, word, label),
+        Field::Word(word) => {
+            let mut chosen = word.word();
+            choice_ui(ui, &mut chosen, label, word.words());
+            word.set_word(chosen);
+        }
         Field::Axis(axis) => axis_ui(ui, axis, label),
         Field::Frames(frames) => frames_ui(ui, frames, label, frame_count),
         Field::Gate(gate) => gate_ui(ui, gate, drag, label),
@@ -114,15 +117,6 @@ pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
     .inner
 }
 
-/// Draws the button, visible only when the value differs from the default; returns whether it was clicked.
-pub fn reset_ui(ui: &mut Ui, doc: &ParamDoc, differs: bool) -> bool {
-    let name = format!("Reset {}", doc.label);
-    let button = egui::Button::new(RichText::new("↺").weak()).frame(false).min_size(vec2(14.0, 0.0));
-    let response = ui.add_visible(differs, button);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, differs, &name));
-    response.on_hover_text(format!("{name} to its default")).clicked()
-}
-
 fn number_ui(ui: &mut Ui, field: DragValue<'_>, label: Id) {
     ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), field).labelled_by(label);
 }
@@ -136,12 +130,6 @@ fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, label: Id, names: 
         }
     });
     shown.response.labelled_by(label);
-}
-
-fn word_ui(ui: &mut Ui, value: &mut dyn Word, label: Id) {
-    let mut chosen = value.word();
-    choice_ui(ui, &mut chosen, label, value.words());
-    value.set_word(chosen);
 }
 
 fn axis_ui(ui: &mut Ui, axis: &mut SlopeAxis, label: Id) {
@@ -164,7 +152,7 @@ fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_coun
     ui.spacing_mut().item_spacing.x = 3.0;
     let mut all = frames.is_none();
     if ui.checkbox(&mut all, "All").changed() {
-        *frames = if all { None } else { Some(FrameRange { start: 0, end: frame_count.max(1) }) };
+        *frames = (!all).then_some(FrameRange { start: 0, end: frame_count.max(1) });
     }
     if let Some(range) = frames {
         let size = vec2(34.0, ui.spacing().interact_size.y);

@@ -88,22 +88,13 @@ impl Rows<'_> {
 
     fn slopes_ui(&mut self, ui: &mut Ui) {
         let grid = self.model.grid_of(Side::A);
-        self.table.row_with(
-            ui,
-            &doc::SLOPES,
-            &mut self.choice,
-            |ui, choice, _| {
-                let mut auto = choice.is_auto();
-                if ui.checkbox(&mut auto, "Auto slopes").changed() {
-                    *choice = if auto { Slopes::AUTO } else { grid.into() };
-                }
-            },
-            |ui, choice| {
-                if rows::reset_ui(ui, &doc::SLOPES, *choice != Slopes::AUTO) {
-                    *choice = Slopes::AUTO;
-                }
-            },
-        );
+        let reset = (self.choice != Slopes::AUTO, |choice: &mut Slopes| *choice = Slopes::AUTO);
+        self.table.row_with(ui, &doc::SLOPES, &mut self.choice, reset, |ui, choice, _| {
+            let mut auto = choice.is_auto();
+            if ui.checkbox(&mut auto, "Auto slopes").changed() {
+                *choice = if auto { Slopes::AUTO } else { grid.into() };
+            }
+        });
         let finding = self.model.found_of(Side::A).and_then(|found| found.finding.as_ref());
         // Slopes that were found stand in the verdict, where it is drawn; why none were, as commands say it.
         let words = |finding: &SlopeFinding| match found_words(finding) {

@@ -61,8 +61,8 @@ impl PictureState {
         };
         let Some(rect_image) = self.shown.as_ref().map(canvas::Picture::rect_image) else { return };
         let layers = motion.field.iter().flat_map(|field| 0..=field.layers.len() as u8);
-        let hidden: Vec<u8> =
-            layers.filter(|n| filter.is_some_and(|filter| !filter.shows_layer((*n).into()))).collect();
+        let hides = |layer: &u8| filter.is_some_and(|filter| !filter.shows_layer((*layer).into()));
+        let hidden: Vec<u8> = layers.filter(hides).collect();
         let is_hidden = |u: f32, v: f32| {
             let of = |field: &MotionField| hidden.contains(&field.layer_at(u, v));
             !hidden.is_empty() && motion.field.as_ref().is_some_and(of)

@@ -30,8 +30,8 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         return;
     }
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
-    let listed =
-        Listed { items: &model.results.listed, selected: model.document.selected, hovered: model.results.hovered };
+    let (items, hovered) = (&model.results.listed, model.results.hovered);
+    let listed = Listed { items, selected: model.document.selected, hovered };
     let judged = model.judged().cloned();
     let text = |quantity, index: usize| {
         let feature = &model.features()[index];

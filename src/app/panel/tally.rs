@@ -27,8 +27,8 @@ pub fn summary(_: Read<'_>, found: &FoundFeatures) -> Option<[String; 2]> {
     };
     let (noise, slopes) = (number(detection.frame_noise, 3), counted(detection.slopes.len(), "slope"));
     let (first, last) = (detection.octaves.start, detection.octaves.end - 1);
-    let text =
-        format!("Frame noise {noise} of full scale  ·  noise gate {gate}  ·  {slopes}  ·  octaves {first} … {last}");
+    let gates = format!("Frame noise {noise} of full scale  ·  noise gate {gate}");
+    let text = format!("{gates}  ·  {slopes}  ·  octaves {first} … {last}");
     Some([text.clone(), text])
 }
 
@@ -189,10 +189,9 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
     let circles: Vec<CircleMark> = shown.iter().map(circle).collect();
     let is_selected = |index: &usize| model.document.selected_candidate == Some(*index);
     draw_circles(output, &circles, shown.iter().position(is_selected));
-    let more =
-        if survey.marks.len() > shown.len() { format!(" (the {} strongest)", shown.len()) } else { String::new() };
+    let (drawn, all) = (shown.len(), counted(survey.marks.len(), "candidate"));
+    let more = if survey.marks.len() > drawn { format!(" (the {drawn} strongest)") } else { String::new() };
     let min_snr = crate::inspect::place::SurveyOptions::default().min_snr;
-    let all = counted(survey.marks.len(), "candidate");
     note_ui(ui, output, &format!("{all}{more}: {}; SNR ≥ {min_snr}", test.reason()));
     let clip = output.painter.clip_rect();
     let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos)) else { return };

@@ -264,8 +264,8 @@ impl<'a> CursorRow<'a> {
     pub fn ui(self, ui: &mut Ui, value: &mut f32) -> bool {
         let before = *value;
         let row = ui.horizontal(|ui| {
-            let label =
-                explained(label_ui(ui, self.label, LABEL_WIDTH), self.help, subject_of(self.label).1.and_then(word));
+            let entry = subject_of(self.label).1.and_then(word);
+            let label = explained(label_ui(ui, self.label, LABEL_WIDTH), self.help, entry);
             let enabled = self.range.end() > self.range.start();
             let (low, high) = (*self.range.start(), *self.range.end());
             let span = if enabled { self.range.clone() } else { low..=low + 1.0 };

@@ -51,9 +51,8 @@ impl View {
     }
 
     pub fn region(min_image: [f32; 2], max_image: [f32; 2]) -> Self {
-        let [centre, size] = [[0.5, 0.5], [-1.0, 1.0]]
-            .map(|[a, b]| [a * min_image[0] + b * max_image[0], a * min_image[1] + b * max_image[1]]);
-        Self::new(Zoom::Region(size), centre)
+        let rect = Rect::from_min_max(min_image.into(), max_image.into());
+        Self::new(Zoom::Region(rect.size().into()), rect.center().into())
     }
 
     pub fn set_fit(&mut self) {
@@ -144,8 +143,7 @@ impl View {
             return;
         }
         self.follow(before, &after);
-        (self.fit_points_per_pixel, self.region_points_per_pixel, self.size_points) =
-            (after.fit_points_per_pixel, after.region_points_per_pixel, after.size_points);
+        *self = Self { zoom: self.zoom, centre_image: self.centre_image, ..after };
     }
 
     /// The distance between the two places stays, until both are fitted.

@@ -8,9 +8,7 @@ use crate::inspect::place::Judged;
 use crate::inspect::slopes::SetUp;
 use crate::plane::display::direction_colour;
 use crate::requests::line_of;
-use egui::{
-    Align2, Color32, Label, Mesh, Rect, Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
-};
+use egui::{Align2, Color32, Label, Rect, Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::sync::Arc;
 
 /// The range stays until the next detection, so that a colour keeps its meaning.
@@ -181,7 +179,7 @@ impl ColourScale {
         let size = vec2(2.0 * RADIUS_POINTS + 8.0 + galley.size().x, 2.0 * RADIUS_POINTS + 2.0);
         let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
         let centre = rect.left_center() + vec2(RADIUS_POINTS, 0.0);
-        let mut mesh = Mesh::default();
+        let mut mesh = egui::Mesh::default();
         const SECTORS: u32 = 72;
         const RINGS: u32 = 6;
         for ring in 0..=RINGS {

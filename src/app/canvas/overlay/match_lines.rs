@@ -96,8 +96,8 @@ pub fn match_at(lines: &[MatchLine], panes: &[Pane; 2], pos_ui: Pos2) -> Option<
     let mut best: Option<(bool, f32, usize)> = None;
     for line in lines {
         let ends = line.ends(panes);
-        let to_end =
-            ends.iter().filter(|(_, seen)| *seen).map(|(end, _)| end.distance(pos_ui)).fold(f32::INFINITY, f32::min);
+        let seen = ends.iter().filter(|(_, seen)| *seen);
+        let to_end = seen.map(|(end, _)| end.distance(pos_ui)).fold(f32::INFINITY, f32::min);
         let candidate = if to_end <= END_TOLERANCE_POINTS {
             (false, to_end, line.index)
         } else if ends.iter().all(|(_, seen)| *seen) {

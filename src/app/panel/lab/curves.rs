@@ -97,9 +97,10 @@ fn same_false_rate_ui(ui: &mut Ui, model: Read<'_>, rate: SameFalseRate, queue: 
     let (share, snr) = (percent(rate.false_fraction), rate.snr);
     let line = |(method, threshold): &(_, _)| format!("{}  {}\n", BurstMethod::label(*method), number(*threshold, 3));
     let lines: String = rate.peak_thresholds.iter().map(line).collect();
-    let tip = format!(
+    let mut tip = format!(
         "Peak thresholds at which {share} of the detections on charts of SNR {snr} is false, as the paper compares methods:\n{lines}"
-    ) + "Methods compares at these; the search takes that of its own method. They hold for bursts as dark as the charts.";
+    );
+    tip += "Methods compares at these; the search takes that of its own method. They hold for bursts as dark as the charts.";
     let text = format!("Search at {share} false");
     ui.horizontal(|ui| {
         if ui.button(text).on_hover_text(tip).clicked() {

@@ -64,9 +64,8 @@ fn map_ui(ui: &mut Ui, model: Read<'_>, report: &RecoverReport) -> Option<(u64, 
     let (rect, response) = ui.allocate_exact_size(vec2(width, height) * scale, Sense::click());
     let plane = &report.map.plane;
     let cells = vec2(plane.width() as f32, plane.height() as f32) * (report.map.cell_px as f32 * scale);
-    let range = report.map_range().unwrap_or([0.0, 1.0]).map(|x| x as f32);
-    let display =
-        Display { map: ColourMap::Viridis, ..Display::default() }.with_range(range[0], range[1].max(1.001 * range[0]));
+    let [min, max] = report.map_range().unwrap_or([0.0, 1.0]).map(|x| x as f32);
+    let display = Display { map: ColourMap::Viridis, ..Display::default() }.with_range(min, max.max(1.001 * min));
     let painter = ui.painter().with_clip_rect(rect);
     ui.scope(|ui| {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));

@@ -16,10 +16,7 @@ use crate::detector::{Method, Slope, SlopeFinding, SlopeVerdict};
 use crate::inspect::slopes::{SetUp, SlopeAdvice, SlopeJudgement, Spectrum, set_up_bounds};
 use crate::inspect::words::counted;
 use crate::teach::BottomTab;
-use egui::{
-    Align, Button, CollapsingHeader, DragValue, Frame, Grid, Label, Layout, Margin, RichText, Role, ScrollArea, Ui,
-    WidgetInfo, vec2,
-};
+use egui::{Align, Button, DragValue, Frame, Grid, Label, Margin, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2};
 use std::sync::Arc;
 
 /// Maximum width of the charts, points; the advice gets the rest.
@@ -42,7 +39,7 @@ pub fn slopes_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal_top(|ui| {
         // Room for the longest heading beside it.
         let width = CHART_WIDTH.min(0.55 * ui.available_width()).min(ui.available_width() - 175.0);
-        ui.allocate_ui_with_layout(vec2(width, height), Layout::top_down(Align::Min), |ui| {
+        ui.allocate_ui_with_layout(vec2(width, height), egui::Layout::top_down(Align::Min), |ui| {
             ui.set_width(width);
             let marks = chart::Marks { here: model.document.cursor().slope, expected: expected(model) };
             let chart_ui = if spectrum.grid.is_plane() { chart::plane_ui } else { chart::line_ui };
@@ -172,7 +169,7 @@ fn expected(model: Read<'_>) -> Option<[Slope; 2]> {
 
 fn set_up_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let mut state = model.document.set_up;
-    let header = CollapsingHeader::new("Slopes from the set-up").id_salt("slopes from the set-up");
+    let header = egui::CollapsingHeader::new("Slopes from the set-up").id_salt("slopes from the set-up");
     let unfolded = header.open(Some(model.document.set_up.is_open)).show(ui, |ui| {
         fields_ui(ui, &mut state.values);
         slopes_of_set_up_ui(ui, model, queue);

@@ -5,6 +5,7 @@ pub mod lines;
 pub mod parameters;
 mod table;
 
+use super::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_frame, side_width};
 use crate::app::actions::menu::item_ui;
 use crate::app::actions::{ActionId, Queue, button_ui, checked, tooltip};
 use crate::app::canvas::overlay::rgb;
@@ -14,9 +15,6 @@ use crate::app::panel;
 use crate::app::panel::widgets::{error_ui, label_ui, name_field, section_ui, strip_of_colours};
 use crate::app::parts::mark;
 use crate::app::results::Read;
-use crate::app::workspace::{
-    LEFT_WIDTHS, WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_frame, side_width,
-};
 use crate::export::MatchKind;
 use crate::teach::Part;
 use egui::{CentralPanel, Color32, DragValue, Frame, Margin, Panel, Role, Sense, Stroke, Ui, vec2};
@@ -58,7 +56,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         if match_is_left {
             // The panel of the parameters, whose width is kept.
             let panel = Panel::left("pair left").frame(side_frame(ui)).default_size(width);
-            panel.size_range(LEFT_WIDTHS).show(ui, match_ui);
+            panel.size_range(super::LEFT_WIDTHS).show(ui, match_ui);
         } else {
             right_panel(ui, model, "pair right", width, 250.0..=460.0, match_ui);
         }

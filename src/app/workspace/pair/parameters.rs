@@ -2,7 +2,6 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Side};
-use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::parameter_rows::ParamTable;
 use crate::app::panel::parameters::fold_ui;
 use crate::app::panel::widgets::{error_ui, name_field, section_ui};
@@ -120,15 +119,11 @@ fn camera_ui(ui: &mut Ui, model: Read<'_>, table: &ParamTable<'_, MatchParams>, 
     let id = Id::unique(("typed camera", model.is_in_lesson()));
     let mut typed: CameraText = ui.data(|data| data.get_temp(id)).unwrap_or_default();
     typed.follow(p.camera.as_ref());
-    let guess_ui = |ui: &mut Ui, camera: &mut Option<Camera>, _| {
+    let reset = (p.camera.is_some(), |camera: &mut Option<Camera>| *camera = None);
+    table.row_with(ui, &doc::CAMERA, &mut p.camera, reset, |ui, camera, _| {
         let tip = "Focal length 1.2 times the larger side, principal point at the image centre: COLMAP's guess where nothing is known";
         if ui.add_enabled(size.is_some(), egui::Button::new("Guess")).on_hover_text(tip).clicked() {
             *camera = size.and_then(|s| CameraChoice::Guessed(CameraModel::SimplePinhole).for_images(s).ok());
-        }
-    };
-    table.row_with(ui, &doc::CAMERA, &mut p.camera, guess_ui, |ui, camera| {
-        if rows::reset_ui(ui, &doc::CAMERA, camera.is_some()) {
-            *camera = None;
         }
     });
     let hint = "PINHOLE 640 480 500 500 320 240";
