@@ -51,8 +51,7 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if scene.cameras.iter().all(Vec::is_empty) {
         let none = "Open an estimated and a true trajectory to compare them";
         let text = model.results.poses.problems().next().map_or(none, |(_, problem)| problem);
-        message(ui, &painter, rect, text);
-        return;
+        return message(ui, &painter, rect, text);
     }
     let pixels_per_point = ui.ctx().pixels_per_point();
     let mut view = model.document.trajectories.view;
@@ -359,8 +358,7 @@ pub fn camera_list_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let of_estimate = |(which, _)| (1..4).map(move |column| 3 * which as usize + column);
     let columns: Vec<usize> = [0].into_iter().chain(poses.reports().flat_map(of_estimate)).collect();
     if columns.len() == 1 {
-        instead_ui(ui, "Cameras of a truth are listed here, once an estimate is compared with it");
-        return;
+        return instead_ui(ui, "Cameras of a truth are listed here, once an estimate is compared with it");
     }
     let items: Vec<usize> = (0..poses.compared.pairs.len()).collect();
     let listed = Listed { items: &items, selected: model.document.trajectories.selected, hovered: poses.hovered };

@@ -3,7 +3,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::dataset::cameras::{camera_label, camera_text, colour, is_missing, name};
 use crate::app::document::{Action, Trajectories};
-use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};
+use crate::app::panel::widgets::{choice_ui, error_ui, named, only_ui, section_ui};
 use crate::app::results::datasets::pairs::lost_text;
 use crate::app::results::{Dataset, Read};
 use crate::evaluate::poses::sparse::SparsePoint;
@@ -70,16 +70,12 @@ fn camera_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, camera: usize) {
     ui.label(camera_text(model, camera));
     let label = camera_label(model, camera);
     let Some(dataset) = &model.results.datasets.open else {
-        ui.weak("Open the dataset to go to its burst and its pairs.");
-        return;
+        return only_ui(ui, "Open the dataset to go to its burst and its pairs.");
     };
     queue.push_if(ui.button("Open its burst").clicked(), Action::OpenCamera(label.to_owned()));
     let is_missing = is_missing(model, camera);
     let pair = dataset.place_of_camera(label).and_then(|place| dataset.matches.of_burst(place, is_missing));
-    let Some((pair, counts)) = pair else {
-        ui.weak("Its burst has no matched pair in the open dataset.");
-        return;
-    };
+    let Some((pair, counts)) = pair else { return only_ui(ui, "Its burst has no matched pair in the open dataset.") };
     let (name, [a, b]) = (if is_missing { "Best pair" } else { "Weakest pair" }, [pair.0, pair.1]);
     let [a, b] = [a, b].map(|place| dataset.bursts[place].name.as_str());
     let (text, step) = lost_text(&counts, model.losses_of(pair));

@@ -93,23 +93,17 @@ impl Behavior<PaneId> for Inspector<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, id: &mut PaneId) -> UiResponse {
         let id = *id;
         let Some(pane) = self.model.pane(id) else { return UiResponse::None };
-        let (content, side, method) = (pane.content, pane.side, pane.method);
-        let is_open = self.model.burst_in(pane).is_some();
         let whole = ui.max_rect();
         self.widgets.of(id).rect_ui = Some(whole);
         ui.spacing_mut().item_spacing.y = 0.0;
         let name = header_ui(ui, self.model, id, self.widgets, self.queue);
-        let touched = match content {
-            Content::Slice(axis) => slice_ui(ui, self.model, id, axis, self.queue),
-            _ if !is_open => {
-                match method {
-                    Some(MethodId::Gold) => gold_ui(ui, side, self.queue),
-                    _ => second_ui(ui, self.model, self.queue),
-                }
-                false
-            }
-            _ => self.picture_ui(ui, id),
-        };
+        let mut touched = false;
+        match (pane.content, pane.method) {
+            (Content::Slice(axis), _) => touched = slice_ui(ui, self.model, id, axis, self.queue),
+            _ if self.model.burst_in(pane).is_some() => touched = self.picture_ui(ui, id),
+            (_, Some(MethodId::Gold)) => gold_ui(ui, pane.side, self.queue),
+            _ => second_ui(ui, self.model, self.queue),
+        }
         let is_clicked = name.as_ref().is_some_and(Response::clicked);
         self.queue.push_if((is_clicked || touched) && self.model.document.focus() != id, Action::Focus(id));
         // After the content, which would cover the frame.

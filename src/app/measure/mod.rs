@@ -98,8 +98,7 @@ pub fn draw_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Q
     }
     if measure.tool == Tool::Mask && measure.shape == MaskShape::Polygon {
         add_corner(&mut measure, output);
-        queue.edit(model.document, Action::SetMeasure(measure));
-        return;
+        return queue.edit(model.document, Action::SetMeasure(measure));
     }
     if response.drag_started_by(egui::PointerButton::Primary)
         && let Some(pos) = response.interact_pointer_pos()

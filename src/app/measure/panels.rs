@@ -5,7 +5,7 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
 use crate::app::inspector::PaneWidgets;
 use crate::app::memo::kept;
-use crate::app::panel::widgets::{named, still_plot};
+use crate::app::panel::widgets::{named, only_ui, still_plot};
 use crate::app::results::Read;
 use crate::app::ticks;
 use crate::app::view::fixed;
@@ -48,8 +48,7 @@ pub fn region_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &mu
     };
     // Nothing is measured during the drag, so that dragging stays smooth.
     if model.document.measure.drag.is_some() {
-        ui.weak("Let go to measure");
-        return;
+        return only_ui(ui, "Let go to measure");
     }
     let panes = measured_panes(model, region.pane).into_iter();
     let regions: Vec<PaneRegion> = panes.filter_map(|id| region_in(model, widgets, &region, id)).collect();
@@ -125,7 +124,7 @@ fn histogram_ui(ui: &mut Ui, pane: usize, histogram: &Histogram) {
         .x_axis_formatter(|mark, _| number(mark.value as f32, 3))
         .height(ui.available_height().max(60.0))
         .show(ui, |plot| plot.bar_chart(BarChart::new("Pixels", bars).color(colour)));
-    drawn.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Histogram of the region"));
+    named(&drawn.response, egui::Role::Image, "Histogram of the region");
 }
 
 /// The palette of M. Okabe and K. Ito, which colour-blind readers can tell apart.

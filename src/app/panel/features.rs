@@ -241,8 +241,7 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
         return;
     }
     if layer.elsewhere.is_empty() {
-        overlay::draw_features(output, layer.placed(), &style);
-        return;
+        return overlay::draw_features(output, layer.placed(), &style);
     }
     let flags = |faint: bool| -> Vec<bool> {
         in_full.flags.iter().enumerate().map(|(i, shown)| *shown && layer.is_faint(i) == faint).collect()

@@ -2,7 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::{Action, Purpose};
-use crate::app::panel::widgets::{close_ui, modal_ui, named};
+use crate::app::panel::widgets::{close_ui, modal_ui, named, only_ui};
 use crate::app::settings::Settings;
 use crate::burst::{FrameRange, OpenOptions, RawColour, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 use crate::engine::Engine;
@@ -207,10 +207,7 @@ fn file_ui(
             queue.push(ActionId::DrawMask);
             ui.close();
         }
-        let Some(chosen) = path.clone() else {
-            ui.weak("none");
-            return;
-        };
+        let Some(chosen) = path.clone() else { return only_ui(ui, "none") };
         path.take_if(|_| ui.button(format!("Remove {}", label.to_lowercase())).clicked());
         let name = chosen.file_name().unwrap_or(chosen.as_os_str()).to_string_lossy();
         ui.add(egui::Label::new(name).truncate()).on_hover_text(chosen.display().to_string());

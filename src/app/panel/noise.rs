@@ -32,8 +32,7 @@ pub fn summary(_: Read<'_>, found: &FoundFeatures) -> Option<[String; 2]> {
 
 pub fn noise_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(found) = &model.results.slots.a.found else {
-        instead_ui(ui, model.without_features(Side::A, "Press Detect to measure the noise"));
-        return;
+        return instead_ui(ui, model.without_features(Side::A, "Press Detect to measure the noise"));
     };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         warnings_ui(ui, found);

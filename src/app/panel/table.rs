@@ -26,8 +26,7 @@ impl SortedColumn for Quantity {
 
 pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if model.results.slots.a.found.is_none() {
-        instead_ui(ui, model.without_features(Side::A, "Press Detect to find features"));
-        return;
+        return instead_ui(ui, model.without_features(Side::A, "Press Detect to find features"));
     }
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let (items, hovered) = (&model.results.listed, model.results.hovered);

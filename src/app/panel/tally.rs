@@ -35,8 +35,7 @@ pub fn summary(_: Read<'_>, found: &FoundFeatures) -> Option<[String; 2]> {
 /// Draws the bars. Rows of tests that reject candidates are switches: they show these candidates in the picture.
 pub fn tally_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(found) = &model.results.slots.a.found else {
-        instead_ui(ui, model.without_features(Side::A, "Press Detect to see what each test rejects"));
-        return;
+        return instead_ui(ui, model.without_features(Side::A, "Press Detect to see what each test rejects"));
     };
     // The counts do not fit into a narrow window.
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
@@ -167,18 +166,14 @@ const MAX_DRAWN: usize = 20_000;
 /// Draws the candidates over the picture of pane `id`, and lets the pointer choose one.
 pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
     let Some(test) = model.document.shown_test else {
-        queue.point(&model.results.explained.pointed, None, Pointed::Candidate);
-        return;
+        return queue.point(&model.results.explained.pointed, None, Pointed::Candidate);
     };
-    if !model.document.panes.is_on(id, Side::A) {
-        return;
-    }
-    let Some(found) = model.found_of(Side::A) else { return };
+    let is_of_a = model.document.panes.is_on(id, Side::A);
+    let Some(found) = model.found_of(Side::A).filter(|_| is_of_a) else { return };
     let dt = model.frames_from_middle(id, &found.detection).unwrap_or_default();
     let slopes = found.detection.slopes;
     let Some(survey) = model.survey() else {
-        note_ui(ui, output, &format!("Finding candidates: {}…", test.reason()));
-        return;
+        return note_ui(ui, output, &format!("Finding candidates: {}…", test.reason()));
     };
     let shown = strongest(survey);
     let circle = |&index: &usize| {

@@ -86,8 +86,8 @@ const CARD_ROOM: egui::Vec2 = vec2(400.0, 260.0);
 pub fn card_ui(ctx: &Context, model: Read<'_>, lessons: &Lessons, rect_ui: Rect, queue: &mut Queue) -> Chosen {
     let of_demo = model.burst_of(Side::A).is_some_and(|open| open.source == BurstSource::Demo);
     let inspects_demo = of_demo && !model.is_in_lesson() && model.document.workspace.inspects();
-    let is_shown = model.document.panels.welcome && inspects_demo;
-    if !is_shown || rect_ui.width() < CARD_ROOM.x || rect_ui.height() < CARD_ROOM.y {
+    let has_room = rect_ui.width() >= CARD_ROOM.x && rect_ui.height() >= CARD_ROOM.y;
+    if !(model.document.panels.welcome && inspects_demo && has_room) {
         return None;
     }
     let (mut chosen, mut panels) = (None, model.document.panels);

@@ -44,6 +44,11 @@ pub fn error_ui(ui: &mut Ui, text: impl Into<RichText>) -> Response {
     ui.add(Label::new(text.into().color(ui.visuals().error_fg_color)).wrap())
 }
 
+/// Draws a weak text where there is nothing else to draw.
+pub fn only_ui(ui: &mut Ui, text: &str) {
+    ui.weak(text);
+}
+
 pub fn instead_ui(ui: &mut Ui, text: impl Into<String>) {
     ui.centered_and_justified(|ui| ui.weak(text.into()));
 }

@@ -152,8 +152,7 @@ impl View {
             return;
         }
         if after.is_fit() {
-            self.set_fit();
-            return;
+            return self.set_fit();
         }
         for (mine, (b, a)) in self.centre_image.iter_mut().zip(before.centre_image.iter().zip(after.centre_image)) {
             *mine += a - b;

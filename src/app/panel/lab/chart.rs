@@ -2,8 +2,8 @@
 
 use super::{FOUND, MISSED};
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::{Action, Lab, LabSet};
-use crate::app::panel::widgets::{WHOLE, dashed_circle, dots_ui, draw_plane, named, weak_ui};
+use crate::app::document::{Action, Lab};
+use crate::app::panel::widgets::{WHOLE, dashed_circle, dots_ui, draw_plane, named, only_ui};
 use crate::app::results::Read;
 use crate::app::view::nearest;
 use crate::inspect::result::Scored;
@@ -23,13 +23,10 @@ pub fn lab_chart_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 
 fn chosen_ui(ui: &mut Ui, model: Read<'_>, lab: &mut Lab, queue: &mut Queue) {
     if model.document.lab.selected.is_none() {
-        let text = if model.document.lab.question.needs_charts() {
-            "Click a point of a curve to look at its chart."
-        } else {
-            "These points are measured on the open burst, so there is no chart to show."
+        return match model.document.lab.question.needs_charts() {
+            true => only_ui(ui, "Click a point of a curve to look at its chart."),
+            false => only_ui(ui, "These points are measured on the open burst, so there is no chart to show."),
         };
-        weak_ui(ui, text);
-        return;
     }
     let Some(shown) = model.current_chart() else {
         ui.horizontal(|ui| {
@@ -50,56 +47,51 @@ fn chosen_ui(ui: &mut Ui, model: Read<'_>, lab: &mut Lab, queue: &mut Queue) {
 }
 
 fn choice_ui(ui: &mut Ui, model: Read<'_>, lab: &mut Lab) {
-    let sets: Vec<(LabSet, String)> = model
-        .lab_results()
-        .iter()
-        .map(|(set, name, _)| (*set, name.map_or_else(|| "This study".to_owned(), str::to_owned)))
-        .collect();
+    let results = model.lab_results().into_iter();
+    let sets: Vec<_> = results.map(|(set, name, _)| (set, name.unwrap_or("This study").to_owned())).collect();
     let Some((first, _)) = sets.first() else { return };
     let set = lab.selected.map_or(*first, |(set, _)| set);
     let Some(result) = model.results.studies.result(set) else { return };
-    let mut points: Vec<(StudyPoint, String)> = Vec::new();
-    for plot in result.report.plots(usize::MAX) {
-        for curve in &plot.curves {
-            for point in &curve.line.points {
-                let of = StudyPoint { row_value: curve.row_value(point), method: curve.method };
-                if points.iter().all(|(there, _)| *there != of) {
-                    let method = curve.method.map_or_else(String::new, |method| format!("{}, ", method.label()));
-                    points.push((of, format!("{method}{}", result.report.row_label(of.row_value))));
-                }
+    let mut points: Vec<(Option<StudyPoint>, String)> = vec![];
+    for curve in result.report.plots(usize::MAX).iter().flat_map(|plot| &plot.curves) {
+        for point in &curve.line.points {
+            let of = StudyPoint { row_value: curve.row_value(point), method: curve.method };
+            if points.iter().all(|(there, _)| *there != Some(of)) {
+                let method = curve.method.map_or_else(String::new, |method| format!("{}, ", method.label()));
+                points.push((Some(of), format!("{method}{}", result.report.row_label(of.row_value))));
             }
         }
     }
     let Some((first_seed, seeds)) = result.study.seeds() else { return };
-    let mut chosen = lab.selected.map(|(_, point)| point);
-    let mut chosen_set = set;
+    let (mut chosen, mut chosen_set) = (lab.selected.map(|(_, point)| point), set);
     if sets.len() > 1 {
-        let text = sets.iter().find(|(of, _)| *of == set).map_or("", |(_, name)| name);
-        ComboBox::from_label("Curves").selected_text(text).show_ui(ui, |ui| {
-            for (of, name) in &sets {
-                ui.selectable_value(&mut chosen_set, *of, name);
-            }
-        });
+        list_ui(ui, ComboBox::from_label("Curves"), &mut chosen_set, &sets, "");
     }
-    let text = points.iter().find(|(of, _)| Some(*of) == chosen).map_or("none", |(_, text)| text.as_str());
-    ComboBox::from_label("Point").selected_text(text).width(190.0).show_ui(ui, |ui| {
-        for (of, text) in &points {
-            ui.selectable_value(&mut chosen, Some(*of), text);
-        }
-    });
+    list_ui(ui, ComboBox::from_label("Point").width(190.0), &mut chosen, &points, "none");
     if chosen.is_some() {
+        let chart = &mut lab.selected_chart;
         ui.horizontal(|ui| {
             if ui.button("◀").on_hover_text("Previous chart of the same ratio").clicked() {
-                lab.selected_chart = (lab.selected_chart + seeds - 1) % seeds;
+                *chart = (*chart + seeds - 1) % seeds;
             }
-            let seed = first_seed.saturating_add(lab.selected_chart.min(seeds - 1));
-            ui.label(format!("chart {} of {seeds}, seed {seed}", lab.selected_chart.min(seeds - 1) + 1));
+            let shown = (*chart).min(seeds - 1);
+            ui.label(format!("chart {} of {seeds}, seed {}", shown + 1, first_seed.saturating_add(shown)));
             if ui.button("▶").on_hover_text("Next chart of the same ratio").clicked() {
-                lab.selected_chart = (lab.selected_chart + 1) % seeds;
+                *chart = (*chart + 1) % seeds;
             }
         });
     }
     lab.selected = chosen.map(|point| (chosen_set, point));
+}
+
+/// Draws a list of choices, each with its name, that unfolds; `none` stands there where no choice is the chosen one.
+fn list_ui<T: PartialEq + Copy>(ui: &mut Ui, list: ComboBox, chosen: &mut T, choices: &[(T, String)], none: &str) {
+    let text = choices.iter().find(|(of, _)| of == chosen).map_or(none, |(_, text)| text.as_str());
+    list.selected_text(text).show_ui(ui, |ui| {
+        for (of, text) in choices {
+            ui.selectable_value(chosen, *of, text);
+        }
+    });
 }
 
 fn key_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Scored]) {
@@ -125,15 +117,14 @@ fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Scored]) {
     let mut marks: Vec<(Pos2, f32, String)> = Vec::new();
     for judged in judged {
         let feature = &looked.detection.features[judged.feature];
-        match judged.disc {
-            Some(disc) => found[disc] = true,
-            None => {
-                let (centre, radius) = (pos_ui(feature.u, feature.v), (feature.circle_radius_px() * scale).max(2.0));
-                painter.circle_stroke(centre, radius, Stroke::new(1.2, FALSE));
-                let text = format!("False: σ {} px, snr {}", number(feature.sigma, 2), number(feature.snr, 1));
-                marks.push((centre, radius, text));
-            }
+        if let Some(disc) = judged.disc {
+            found[disc] = true;
+            continue;
         }
+        let (centre, radius) = (pos_ui(feature.u, feature.v), (feature.circle_radius_px() * scale).max(2.0));
+        painter.circle_stroke(centre, radius, Stroke::new(1.2, FALSE));
+        let text = format!("False: σ {} px, snr {}", number(feature.sigma, 2), number(feature.snr, 1));
+        marks.push((centre, radius, text));
     }
     for (disc, found) in looked.truth.features.iter().zip(&found) {
         let (centre, radius) = (pos_ui(disc.u as f32, disc.v as f32), (disc.radius as f32 * scale).max(2.0));

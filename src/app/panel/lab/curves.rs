@@ -28,10 +28,7 @@ struct Drawn {
 pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let mut lab = model.document.lab.clone();
     let results = model.lab_results();
-    let Some((.., first)) = results.first() else {
-        empty_ui(ui);
-        return;
-    };
+    let Some((.., first)) = results.first() else { return empty_ui(ui) };
     let (summary, is_whole) = (first.report.summary(), first.is_whole);
     let rows = first.report.roc_rows();
     let row_label = rows.get(lab.roc_row).or(rows.last()).cloned();
@@ -57,9 +54,7 @@ pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     }
     let hidden = &mut lab.hidden;
     legend_ui(ui, &plots, hidden);
-    for (_, curves) in &mut plots {
-        curves.retain(|one| !hidden.contains(&one.name));
-    }
+    plots.iter_mut().for_each(|(_, curves)| curves.retain(|one| !hidden.contains(&one.name)));
     let mut pointed = None;
     let (width, height) = (ui.available_width(), ui.available_height());
     ui.horizontal_top(|ui| {
@@ -72,16 +67,12 @@ pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                 let each = height / group.len().max(1) as f32;
                 for (plot, curves) in group {
                     let size = vec2(column, (each - 26.0).max(80.0));
-                    if let Some(found) = plot_ui(ui, model, plot, curves, size) {
-                        pointed = Some(found);
-                    }
+                    pointed = plot_ui(ui, model, plot, curves, size).or(pointed);
                 }
             });
         }
     });
-    if let Some(row) = chosen_row {
-        lab.roc_row = row;
-    }
+    lab.roc_row = chosen_row.unwrap_or(lab.roc_row);
     let has_charts = |set| model.results.studies.result(set).is_some_and(|result| result.study.seeds().is_some());
     if let Some((set, point, true)) = pointed.filter(|(set, ..)| has_charts(*set)) {
         (lab.selected, lab.selected_chart) = (Some((set, point)), 0);
@@ -170,12 +161,12 @@ fn merged(model: Read<'_>) -> Vec<(StudyPlot, Vec<Drawn>)> {
     let mut plots: Vec<(StudyPlot, Vec<Drawn>)> = Vec::new();
     for ((set, name, _), (_, of_set)) in model.lab_results().into_iter().zip(shown_plots(model)) {
         for plot in of_set {
-            let drawn = plot.curves.iter().map(|curve| {
+            let drawn = |curve: &StudyCurve| {
                 let label = &curve.line.label;
                 let name = name.map_or_else(|| label.clone(), |name| format!("{label}  {name}"));
                 Drawn { set, name, curve: curve.clone() }
-            });
-            let drawn: Vec<Drawn> = drawn.collect();
+            };
+            let drawn: Vec<Drawn> = plot.curves.iter().map(drawn).collect();
             match plots.iter_mut().find(|(there, _)| there.title == plot.title) {
                 Some((_, all)) => all.extend(drawn),
                 None => plots.push((plot, drawn)),

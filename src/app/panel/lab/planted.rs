@@ -3,7 +3,7 @@
 use super::{FOUND, MISSED};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Lab};
-use crate::app::panel::widgets::{WHOLE, dots_ui, draw_plane, named, weak_ui};
+use crate::app::panel::widgets::{WHOLE, dots_ui, draw_plane, named, only_ui, weak_ui};
 use crate::app::results::Read;
 use crate::app::view::nearest;
 use crate::detector::Test;
@@ -18,8 +18,7 @@ const REACH_UI: f32 = 10.0;
 pub fn lab_planted_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some((_, report)) = model.results.studies.recovered() else {
         let text = "Press Run study: things are planted in copies of the open burst and searched for. Here is then how faint a thing is seen at each place.";
-        weak_ui(ui, text);
-        return;
+        return only_ui(ui, text);
     };
     key_ui(ui, report);
     let chosen = map_ui(ui, model, report);

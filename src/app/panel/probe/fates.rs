@@ -2,7 +2,7 @@
 
 use super::{apply_ui, go_to_ui};
 use crate::app::document::{Action, Queue};
-use crate::app::panel::widgets::{named, small_text, weak_ui};
+use crate::app::panel::widgets::{named, only_ui, small_text, weak_ui};
 use crate::app::results::Read;
 use crate::app::style;
 use crate::detector::Test;
@@ -19,16 +19,13 @@ pub(super) fn fates_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mu
     let (probe, subject) = (&answer.probe, answer.probe.subject.fate);
     scale_ui(ui, model, answer, queue);
     if probe.fates.is_empty() {
-        ui.weak("No sample here is an extremum in place and scale.");
-        return;
+        return only_ui(ui, "No sample here is an extremum in place and scale.");
     }
-    let near = 0..probe.near;
-    if near.is_empty() {
-        ui.weak("No candidate is centred near this place.");
-    } else {
-        list_ui(ui, answer, near.clone(), queue);
+    let (near, larger) = (0..probe.near, probe.near..probe.fates.len());
+    match near.is_empty() {
+        true => only_ui(ui, "No candidate is centred near this place."),
+        false => list_ui(ui, answer, near.clone(), queue),
     }
-    let larger = probe.near..probe.fates.len();
     if !larger.is_empty() {
         // Folded unless the selected candidate is there, or no other.
         let is_open = near.is_empty() || subject.is_some_and(|index| larger.contains(&index));

@@ -32,7 +32,7 @@ pub(super) fn response_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: 
 
 fn scales_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     let map = &answer.probe.response;
-    let (columns, rows) = map.snr.size();
+    let rows = map.snr.height();
     let height = (ROW * rows as f32).clamp(80.0, 190.0);
     let (area, response) = area_ui(ui, height, map.snr.size());
     let values = Some(((&answer.probe).into(), WHOLE, || within_scales(map)));
@@ -66,20 +66,15 @@ fn scales_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     if let Some(row) = map.row_of(cursor.octave, cursor.level) {
         square(&painter, area.pos(map.column_of(cursor.slope), row as f32));
     }
-    let clicked = response.clicked();
     named(&response, egui::Role::Image, "Response over slope and scale");
-    let Some((column, row)) = cell.filter(|(column, row)| *column < columns && *row < rows) else { return };
+    let Some((column, row)) = cell else { return };
     let (slope, scale) = (map.columns[column], map.scales[row]);
     let value = strength_text(answer, map.snr.at(column, row));
-    response.on_hover_text_at_pointer(reading(slope, &scale, &value));
-    if clicked {
-        queue.push(go_to(model, slope, &scale));
-        if map.plane.is_some() {
-            let slope_index = answer.probe.subject.slope_index;
-            let subject = ProbeSubject::Scale { octave: scale.octave, level: scale.level, slope_index };
-            queue.push(Action::ProbeSubject(subject));
-        }
-    }
+    let clicked = response.on_hover_text_at_pointer(reading(slope, &scale, &value)).clicked();
+    queue.push_if(clicked, go_to(model, slope, &scale));
+    let slope_index = answer.probe.subject.slope_index;
+    let subject = ProbeSubject::Scale { octave: scale.octave, level: scale.level, slope_index };
+    queue.push_if(clicked && map.plane.is_some(), Action::ProbeSubject(subject));
 }
 
 fn small_ui(ui: &Ui, at: Pos2, text: &str) {
@@ -132,7 +127,6 @@ fn slopes_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     }
     let cursor = model.probed_pane().cursor.slope;
     square(&painter, area.pos(plane.u.column_of(cursor.u), plane.v.column_of(cursor.v)));
-    let clicked = response.clicked();
     named(&response, egui::Role::Image, "Response over both slopes");
     let Some((column, row)) = cell else { return };
     // The axes may be rotated: the grid gives the slope of a cell.
@@ -142,8 +136,8 @@ fn slopes_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
         at as f32 / step - 1.0
     };
     let slope = grid.at(place(&plane.u, column), place(&plane.v, row));
-    response.on_hover_text_at_pointer(reading(slope, &plane.scale, &strength_text(answer, plane.snr.at(column, row))));
-    queue.push_if(clicked, go_to(model, slope, &plane.scale));
+    let text = reading(slope, &plane.scale, &strength_text(answer, plane.snr.at(column, row)));
+    queue.push_if(response.on_hover_text_at_pointer(text).clicked(), go_to(model, slope, &plane.scale));
 }
 
 fn go_to(model: Read<'_>, slope: Slope, scale: &MapScale) -> Action {
@@ -224,23 +218,17 @@ fn grid_below(ui: &Ui, area: &Area, axis: &FineAxis, name: &str) {
 
 /// Draws dashes at the ends of the searched slopes, and faint lines at each slope.
 fn rims(painter: &Painter, area: &Area, axis: &FineAxis, upright: bool) {
-    if axis.grid.len() < 2 {
-        return;
-    }
+    let [_, .., last] = axis.grid[..] else { return };
     let line = |at: f32| {
-        let column = axis.column_of(at);
-        if upright {
-            let y = area.pos(0.0, column).y;
-            [pos2(area.rect.left(), y), pos2(area.rect.right(), y)]
-        } else {
-            let x = area.pos(column, 0.0).x;
-            [pos2(x, area.rect.top()), pos2(x, area.rect.bottom())]
-        }
+        let (rect, column) = (area.rect, axis.column_of(at));
+        let (x, y) = (area.pos(column, 0.0).x, area.pos(0.0, column).y);
+        let upright_ends = [pos2(rect.left(), y), pos2(rect.right(), y)];
+        if upright { upright_ends } else { [pos2(x, rect.top()), pos2(x, rect.bottom())] }
     };
     for &slope in &axis.grid {
         painter.line_segment(line(slope), Stroke::new(0.5, Color32::from_black_alpha(40)));
     }
-    for rim in [axis.grid[0], axis.grid[axis.grid.len() - 1]] {
+    for rim in [axis.grid[0], last] {
         painter.extend(egui::Shape::dashed_line(&line(rim), Stroke::new(1.0, Color32::from_gray(60)), 3.0, 3.0));
     }
 }
@@ -338,10 +326,7 @@ impl ColourBar {
         let (weak, strong) = (ui.visuals().weak_text_color(), ui.visuals().strong_text_color());
         painter.rect_stroke(rect, 0.0, Stroke::new(1.0, weak), StrokeKind::Outside);
         let font = TextStyle::Small.resolve(ui.style());
-        let beside = |value: f32| -> Pos2 {
-            let y = at(value).clamp(rect.top() + 5.0, rect.bottom() - 5.0);
-            pos2(rect.right() + 4.0, y)
-        };
+        let beside = |value: f32| pos2(rect.right() + 4.0, at(value).clamp(rect.top() + 5.0, rect.bottom() - 5.0));
         for gate in self.gate.into_iter().flat_map(|gate| [gate, -gate]).filter(|gate| gate.abs() <= self.range) {
             painter.hline(rect.x_range(), at(gate), Stroke::new(1.2, Color32::BLACK));
         }

@@ -51,13 +51,13 @@ fn strip_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
         let index = (from.y / side) as usize * columns + ((from.x / side) as usize).min(columns - 1);
         shares.frames.get(index)
     };
+    // Of the circle of the blob, at the feature's place.
+    let radius = std::f32::consts::SQRT_2 * shares.sigma / shares.patch_px * side;
+    let rim = Stroke::new(1.0, ui.visuals().panel_fill);
     for (index, frame) in shares.frames.iter().enumerate() {
         let corner = rect.min + side * vec2((index % columns) as f32, (index / columns) as f32);
         let cell = egui::Rect::from_min_size(corner, vec2(side, side));
-        let stroke = Stroke::new(1.0, ui.visuals().panel_fill);
-        ui.painter().rect_stroke(cell, 0.0, stroke, egui::StrokeKind::Inside);
-        // Circle of the blob, at the feature's place.
-        let radius = std::f32::consts::SQRT_2 * shares.sigma / shares.patch_px * side;
+        ui.painter().rect_stroke(cell, 0.0, rim, egui::StrokeKind::Inside);
         let colour = if frame.covers { Color32::from_rgb(255, 214, 90) } else { Color32::from_gray(120) };
         ui.painter().circle_stroke(cell.center(), radius, Stroke::new(1.0, colour));
     }
@@ -68,13 +68,10 @@ fn strip_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     } else {
         format!("Frame {} does not show the place", frame.frame)
     };
-    let clicked = response.clicked();
-    response.on_hover_text_at_pointer(text);
-    if clicked {
-        let (slope, frame) = (Some(shares.slope), Some(frame.frame));
-        let to = Destination { slope, frame, kind: Some(ViewKind::Frame), ..Destination::default() };
-        queue.push(Action::GoTo(model.document.probe.side, to));
-    }
+    let (slope, frame) = (Some(shares.slope), Some(frame.frame));
+    let to = Destination { slope, frame, kind: Some(ViewKind::Frame), ..Destination::default() };
+    let response = response.on_hover_text_at_pointer(text);
+    queue.push_if(response.clicked(), Action::GoTo(model.document.probe.side, to));
 }
 
 fn montage(patches: &[Plane], columns: usize, rows: usize) -> Plane {
@@ -96,9 +93,7 @@ fn plot_ui(ui: &mut Ui, shares: &Shares) {
         .x_axis_label("frame")
         .y_grid_spacer(crate::app::ticks::of_height)
         .y_axis_formatter(|mark, _| number(mark.value as f32, 3))
-        .x_axis_formatter(
-            |mark, _| if mark.value.fract() == 0.0 { format!("{:.0}", mark.value) } else { String::new() },
-        )
+        .x_axis_formatter(|mark, _| if mark.value.fract() == 0.0 { mark.value.to_string() } else { String::new() })
         .show(ui, |plot| {
             plot.hline(HLine::new("zero", 0.0).color(Color32::GRAY).width(1.0));
             let mean = HLine::new("mean", f64::from(shares.evenness.mean)).color(ACCENT);
@@ -114,9 +109,8 @@ fn plot_ui(ui: &mut Ui, shares: &Shares) {
         })
         .response;
     named(&response, egui::Role::Image, "Response of each frame");
-    response.on_hover_text(
-        "D of each frame alone, fraction of full scale, ± its noise; dashes: their mean, D of the stack",
-    );
+    let tip = "D of each frame alone, fraction of full scale, ± its noise; dashes: their mean, D of the stack";
+    response.on_hover_text(tip);
 }
 
 #[cfg(test)]

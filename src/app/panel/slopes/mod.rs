@@ -30,10 +30,7 @@ pub fn summary(model: Read<'_>, _: &FoundFeatures) -> Option<[String; 2]> {
 }
 
 pub fn slopes_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    let Some(spectrum) = model.spectrum() else {
-        waiting_ui(ui, model, queue);
-        return;
-    };
+    let Some(spectrum) = model.spectrum() else { return waiting_ui(ui, model, queue) };
     ui.spacing_mut().item_spacing.x = 14.0;
     let height = ui.available_height();
     ui.horizontal_top(|ui| {

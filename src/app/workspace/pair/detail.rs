@@ -4,7 +4,7 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
 use crate::app::document::{Action, Side};
 use crate::app::panel::selection::{PatchView, descriptor_ui, walk_ui};
-use crate::app::panel::widgets::{named, number_row_ui, section_ui, warning_ui, weak_ui};
+use crate::app::panel::widgets::{named, number_row_ui, only_ui, section_ui, warning_ui, weak_ui};
 use crate::app::results::{MatchRow, Matches, PATCHES, Read, lost_words};
 use crate::app::view::{fixed, signed, signed_slope};
 use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
@@ -20,13 +20,9 @@ pub fn detail_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Selected match", |ui| {
         walk_ui(ui, model, queue);
         ui.add_space(4.0);
-        let Some(matches) = &model.results.pair.matches else {
-            ui.weak("There are no matches yet.");
-            return;
-        };
+        let Some(matches) = &model.results.pair.matches else { return only_ui(ui, "There are no matches yet.") };
         let Some(row) = model.match_in_focus().and_then(|index| matches.row(index)) else {
-            ui.weak("Point at a line or a row of the table; click to keep it.");
-            return;
+            return only_ui(ui, "Point at a line or a row of the table; click to keep it.");
         };
         let word = match MatchKind::of(row.inlier) {
             MatchKind::Inlier => "inlier",
@@ -151,13 +147,9 @@ const SLOPES_APART: f32 = 0.5;
 
 pub fn why_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Why this match, or none", |ui| {
-        let Some(found) = model.losses() else {
-            ui.weak("There are no matches yet.");
-            return;
-        };
+        let Some(found) = model.losses() else { return only_ui(ui, "There are no matches yet.") };
         let Some(why) = &model.results.pair.lost.why else {
-            weak_ui(ui, "Click a feature of A, a match, or a row of the unmatched features.");
-            return;
+            return only_ui(ui, "Click a feature of A, a match, or a row of the unmatched features.");
         };
         let sides = &found.request.request;
         let Some(own) = sides.a.features.get(why.feature) else { return };

@@ -4,7 +4,7 @@ use crate::app::actions::Queue;
 use crate::app::document::{Action, MatchColumn, PairTab, Side};
 use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui, texts};
-use crate::app::panel::widgets::{make_room, named, progress_text, text_width};
+use crate::app::panel::widgets::{make_room, named, only_ui, progress_text, text_width};
 use crate::app::results::{Matches, PAIR_NUMBERS, Read, lost_words};
 use crate::app::view::{fixed, signed_slope};
 use crate::inspect::pair::Lost;
@@ -84,10 +84,7 @@ const LOST_COLUMNS: [(&str, f32); 7] =
     [("#", 50.0), ("Lost to", 120.0), ("u", 60.0), ("v", 60.0), ("σ", 50.0), ("Slope", 100.0), ("SNR", 0.0)];
 
 pub fn lost_table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    let Some(found) = model.losses() else {
-        ui.weak("There are no matches yet.");
-        return;
-    };
+    let Some(found) = model.losses() else { return only_ui(ui, "There are no matches yet.") };
     let hidden = &model.document.hidden_losses;
     let is_listed = |(index, lost): &(usize, &Lost)| {
         **lost != Lost::Not && !hidden.contains(lost) && model.results.pair.lost.twin(*index).is_none()
