@@ -82,7 +82,6 @@ impl Offscreen {
         }
         Ok(())
     }
-
     /// Runs one frame with `events` as input; returns the time until the window wants the next one.
     pub fn frame(&mut self, events: Vec<egui::Event>, draw: impl FnMut(&mut egui::Ui)) -> Duration {
         let mut input = egui::RawInput {

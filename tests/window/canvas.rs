@@ -414,6 +414,6 @@ fn one_pixel_of_the_image_is_one_pixel_of_a_hidpi_screen() {
     let builder = common::with_pictures(common::builder([900.0, 560.0])).with_pixels_per_point(2.0);
     let mut harness = builder.build_ui_state(window_ui, w);
     harness.run();
-    let two_pixels = harness.state().ui_from_image.unwrap().vec(vec2(2.0, 0.0));
+    let two_pixels = harness.state().ui_from_image.unwrap().scale() * vec2(2.0, 0.0);
     assert!((two_pixels.x - 1.0).abs() < 1e-6, "two image pixels are one point: {two_pixels:?}");
 }

@@ -337,7 +337,7 @@ fn shown(window: &Window) -> Vec<PaneId> {
 
 /// Position of a feature in pane `id`, in points.
 fn pos_in(window: &Window, id: PaneId, feature: &Feature) -> Pos2 {
-    window.app().widgets.pos_ui(id, pos2(feature.u, feature.v)).unwrap()
+    window.app().widgets.ui_from_image(id).unwrap().pos(pos2(feature.u, feature.v))
 }
 
 /// Hovers over the line of the selected match between two panes; returns the hovered match.

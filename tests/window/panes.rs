@@ -155,7 +155,7 @@ fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it
         (9, -2.0)
     );
     let place = pos2(200.3, 150.2);
-    let at = window.app().widgets.pos_ui(stack, place).unwrap();
+    let at = window.app().widgets.ui_from_image(stack).unwrap().pos(place);
     window.hover(at).steps(3);
     let values = window.app().widgets.values.clone();
     assert_eq!(values.iter().map(|v| v.id).collect::<Vec<_>>(), [stack, frame]);
@@ -254,7 +254,7 @@ fn preset_strip_of_scales() {
 fn linked_place() {
     let mut window = laid_out(open(), Key::Num9);
     let stack = shown(&window)[1];
-    let at = window.app().widgets.pos_ui(stack, pos2(122.0, 96.0)).unwrap();
+    let at = window.app().widgets.ui_from_image(stack).unwrap().pos(pos2(122.0, 96.0));
     window.snapshot_with_pointer("linked_place", at);
 }
 

@@ -198,7 +198,7 @@ impl Window {
     }
 
     fn ui_from_image_in(&self, id: PaneId, pos_image: Pos2) -> Option<Pos2> {
-        self.app().widgets.pos_ui(id, pos_image)
+        self.app().widgets.ui_from_image(id).map(|t| t.pos(pos_image))
     }
 
     pub fn app(&self) -> &BurstscopeApp {

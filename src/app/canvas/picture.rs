@@ -50,8 +50,9 @@ impl Picture {
     }
 
     pub fn ui_from_picture(&self, ui_from_image: RectTransform) -> RectTransform {
-        let whole = ui_from_image.from_scaled(self.image_from_picture_scale);
-        RectTransform::new(whole.anchor_from - self.first, whole.anchor_to, whole.scale())
+        let s = self.image_from_picture_scale;
+        let RectTransform { anchor_from, anchor_to, .. } = ui_from_image;
+        RectTransform::new((anchor_from.to_vec2() / s - self.first).to_pos2(), anchor_to, s * ui_from_image.scale())
     }
 
     pub fn pixel_at(&self, pos_image: Pos2) -> Option<(usize, usize)> {

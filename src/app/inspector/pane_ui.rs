@@ -70,7 +70,7 @@ pub(super) fn picture_ui(
         ..canvas_of(model, shown, &name)
     };
     let output = canvas.show(ui, &mut view);
-    widgets.of(id).aside.leave(view);
+    widgets.of(id).aside.left = Some(view);
     let state = &mut widgets.of(shown).picture;
     state.paint_colours(ui, model, shown, &output);
     state.readout = output.hover_image.and_then(|pos| state.readout_at(model, shown, pos));

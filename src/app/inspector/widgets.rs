@@ -208,7 +208,8 @@ fn face(a: &Rect, b: &Rect, all: &[Rect]) -> bool {
 pub struct HeldPlace {
     last: Option<(Rect, bool)>,
     moved: Option<(View, View)>,
-    left: Option<View>,
+    /// View at the end of the last pass.
+    pub(super) left: Option<View>,
 }
 
 impl HeldPlace {
@@ -235,10 +236,6 @@ impl HeldPlace {
                 self.moved = is_beside.then_some((*view, original));
             }
         }
-    }
-
-    pub fn leave(&mut self, view: View) {
-        self.left = Some(view);
     }
 }
 

@@ -206,9 +206,7 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
         // Of one height in all passes, so that no row moves under the pointer.
         let height = (ctx.content_rect().height() - 200.0).clamp(120.0, 480.0);
         let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
-        area.auto_shrink([false, false]).show(ui, |ui| {
-            chosen = rows_ui(ui, lessons);
-        });
+        area.auto_shrink(false).show(ui, |ui| chosen = rows_ui(ui, lessons));
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             close_ui(ui, "Close");

@@ -38,18 +38,6 @@ fn has_content(tab: BottomTab, model: Read<'_>) -> bool {
     is_filled || model.document.bottom_tab == tab
 }
 
-/// Draws the tabs; the open one closes the panel, any other opens it.
-fn tabs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    let is_open = model.shows_bottom();
-    for (tab, name, help) in TABS {
-        if !has_content(tab, model) {
-            continue;
-        }
-        let response = ui.selectable_label(is_open && model.document.bottom_tab == tab, name).on_hover_text(help);
-        queue.push_if(response.clicked(), Action::ToggleTab(tab));
-    }
-}
-
 /// Draws the button that opens the panel, with the names of its tabs.
 pub fn closed_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let names: Vec<&str> = TABS.iter().filter(|(tab, ..)| has_content(*tab, model)).map(|(_, name, _)| *name).collect();
@@ -75,7 +63,12 @@ pub fn bottom_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &mu
         if ui.available_width() < ROOMY {
             (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (4.0, 3.0);
         }
-        tabs_ui(ui, model, queue);
+        // The open one closes the panel, any other opens it.
+        for (tab, name, help) in TABS.into_iter().filter(|(tab, ..)| has_content(*tab, model)) {
+            let is_open = model.shows_bottom() && model.document.bottom_tab == tab;
+            let response = ui.selectable_label(is_open, name).on_hover_text(help);
+            queue.push_if(response.clicked(), Action::ToggleTab(tab));
+        }
         ui.separator();
         match model.document.bottom_tab {
             BottomTab::Table => table::filter_bar_ui(ui, model, queue),

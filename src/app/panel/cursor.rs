@@ -16,7 +16,11 @@ use egui::{CursorIcon, Id, Rangef, Rect, Sense, Stroke, StrokeKind, Ui, pos2, ve
 
 pub fn cursor_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Cursor", |ui| {
-        frame_row(ui, model, queue);
+        let last = model.focused_frame_count().saturating_sub(1) as f32;
+        let mut frame = model.document.cursor().frame as f32;
+        let row = CursorRow::whole("Frame", "Index from 0; moving it shows the frame", 0.0..=last);
+        let is_moved = row.ui(ui, &mut frame);
+        queue.push_if(is_moved, Action::SetFrame(model.document.focus(), frame.max(0.0) as usize));
         slope_rows(ui, model, queue);
         buttons_ui(ui, model, queue);
         if strip_of(ui, model).is_none() {
@@ -54,14 +58,6 @@ fn strip_of(ui: &Ui, model: Read<'_>) -> Option<bool> {
     let shown = last.filter(|_| is_used).unwrap_or(now);
     ui.data_mut(|data| data.insert_temp(Id::unique(STRIP), shown));
     shown
-}
-
-fn frame_row(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    let last = model.focused_frame_count().saturating_sub(1) as f32;
-    let mut frame = model.document.cursor().frame as f32;
-    if CursorRow::whole("Frame", "Index from 0; moving it shows the frame", 0.0..=last).ui(ui, &mut frame) {
-        queue.push(Action::SetFrame(model.document.focus(), frame.max(0.0) as usize));
-    }
 }
 
 fn slope_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
@@ -142,9 +138,8 @@ fn scale_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let help = "Octave of the DoG: each is twice as coarse as the one before";
     let is_other_octave = row("Octave", help, octaves, &mut octave);
     let help = "Level within the octave. Features lie at 0 and up; the two outermost levels are only compared with";
-    if row("Level", help, levels, &mut level) || is_other_octave {
-        queue.push(Action::SetScale(model.document.focus(), octave as i32, level as i32));
-    }
+    let is_other = row("Level", help, levels, &mut level) || is_other_octave;
+    queue.push_if(is_other, Action::SetScale(model.document.focus(), octave as i32, level as i32));
     let space = ScaleSpace::of(model.cursor_params());
     let sigma = space.sigma_image(model.document.cursor().octave, f64::from(model.document.cursor().level));
     let rim = rim_radius(sigma, space.levels);

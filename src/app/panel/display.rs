@@ -151,9 +151,7 @@ fn motion_key_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, rect: Rect) {
     let size = vec2(148.0, scale.height() + 12.0);
     let background = Rect::from_min_size(rect.right_bottom() - size - vec2(10.0, 10.0), size);
     ui.painter().rect_filled(background, 5.0, ground(ui));
-    ui.scope_builder(UiBuilder::new().max_rect(background.shrink2(vec2(8.0, 6.0))), |ui| {
-        scale.legend_ui(ui);
-    });
+    ui.scope_builder(UiBuilder::new().max_rect(background.shrink2(vec2(8.0, 6.0))), |ui| scale.legend_ui(ui));
 }
 
 pub fn bar_ui(ui: &Ui, bar: Rect, display: &Display) {

@@ -43,7 +43,13 @@ pub fn tally_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         selected_ui(ui, model, queue);
         let tally = &found.detection.tally;
         let survey = model.survey_counts();
-        head_ui(ui, survey.is_some());
+        ui.horizontal(|ui| {
+            let hint = RichText::new("Click a test to see its candidates in the picture").small().weak();
+            label_ui(ui, hint, NAME_WIDTH);
+            for (head, tip) in HEADS.into_iter().take(if survey.is_some() { 2 } else { 1 }) {
+                count_ui(ui, RichText::new(head).small().weak()).on_hover_text(tip);
+            }
+        });
         let most = tally.rejected.iter().copied().max().unwrap_or(0).max(tally.kept).max(1);
         line_ui(ui, "Samples of D examined", [Some(tally.samples), None], None, None);
         if tally.not_searched > 0 {
@@ -105,23 +111,14 @@ fn decoys_ui(ui: &mut Ui, model: Read<'_>, ask: &str, told: Option<(String, Opti
     }
 }
 
+/// Headings of the counts.
+const HEADS: [(&str, &str); 2] = [
+    ("samples", "Samples of D that fail this test first"),
+    ("candidates", "Samples that were extrema in place and scale at their own slope: possible features"),
+];
 const NAME_WIDTH: f32 = 250.0;
 /// Width of each count, points.
 const COUNT_WIDTH: f32 = 96.0;
-
-fn head_ui(ui: &mut Ui, with_candidates: bool) {
-    ui.horizontal(|ui| {
-        let hint = RichText::new("Click a test to see its candidates in the picture").small().weak();
-        label_ui(ui, hint, NAME_WIDTH);
-        let heads = [
-            ("samples", "Samples of D that fail this test first"),
-            ("candidates", "Samples that were extrema in place and scale at their own slope: possible features"),
-        ];
-        for (head, tip) in heads.into_iter().take(if with_candidates { 2 } else { 1 }) {
-            count_ui(ui, RichText::new(head).small().weak()).on_hover_text(tip);
-        }
-    });
-}
 
 fn count_ui(ui: &mut Ui, text: RichText) -> egui::Response {
     let size = vec2(COUNT_WIDTH, 16.0);
@@ -197,9 +194,7 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
     queue.push_if(output.response.clicked(), Action::SelectCandidate(pointed));
     if let Some(index) = pointed.filter(|_| !output.response.dragged()) {
         let text = mark_text(&survey.marks[index], slopes.slope(survey.marks[index].sample.slope_index));
-        tip_ui(ui, "candidate tip", |ui| {
-            ui.label(RichText::new(text).monospace());
-        });
+        tip_ui(ui, "candidate tip", |ui| _ = ui.label(RichText::new(text).monospace()));
     }
 }
 

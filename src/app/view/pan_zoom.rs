@@ -196,7 +196,8 @@ fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
     let border_ui = transform.pos(pos2(centre.x.floor() - 0.5, centre.y.floor() - 0.5));
     // A border in the middle of a screen pixel would flicker between its neighbours.
     let on_screen = |x: f32| (x * pixels_per_point).round() / pixels_per_point;
-    transform.shifted(Pos2::new(on_screen(border_ui.x), on_screen(border_ui.y)) - border_ui)
+    let moved = pos2(on_screen(border_ui.x), on_screen(border_ui.y)) - border_ui;
+    RectTransform { anchor_to: transform.anchor_to + moved, ..transform }
 }
 
 /// A uniform scale and shift, as `ui_from_image` or its inverse: names say "to from". Stored as a pair of corresponding
@@ -222,10 +223,6 @@ impl RectTransform {
         self.anchor_to + self.scale * (from - self.anchor_from)
     }
 
-    pub fn vec(&self, from: Vec2) -> Vec2 {
-        self.scale * from
-    }
-
     pub fn rect(&self, from: Rect) -> Rect {
         Rect::from_min_max(self.pos(from.min), self.pos(from.max))
     }
@@ -233,21 +230,5 @@ impl RectTransform {
     #[must_use]
     pub fn inverse(&self) -> Self {
         Self { anchor_from: self.anchor_to, anchor_to: self.anchor_from, scale: 1.0 / self.scale }
-    }
-
-    /// Returns the transform for source coordinates that are `factor` times smaller: with `ui_from_image` and a picture
-    /// whose pixels are `factor` image pixels apart, this is `ui_from_picture`.
-    #[must_use]
-    pub fn from_scaled(&self, factor: f32) -> Self {
-        Self {
-            anchor_from: (self.anchor_from.to_vec2() / factor).to_pos2(),
-            anchor_to: self.anchor_to,
-            scale: self.scale * factor,
-        }
-    }
-
-    #[must_use]
-    pub fn shifted(&self, delta: Vec2) -> Self {
-        Self { anchor_to: self.anchor_to + delta, ..*self }
     }
 }

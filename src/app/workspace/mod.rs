@@ -65,9 +65,7 @@ pub fn switch_ui(ui: &mut egui::Ui, model: Read<'_>, queue: &mut Queue) {
         if is_narrow || shown.len() == 1 {
             let open = workspaces().find(|(id, _)| checked(*id, model) == Some(true));
             let name = open.map_or("Workspace", |(id, _)| id.action().label);
-            ui.menu_button(format!("{name} ⏷"), |ui| {
-                workspaces().for_each(|(id, _)| item_ui(ui, model, queue, id));
-            });
+            ui.menu_button(format!("{name} ⏷"), |ui| workspaces().for_each(|(id, _)| item_ui(ui, model, queue, id)));
         } else {
             if !more.is_empty() {
                 ui.menu_button("More ⏷", |ui| more.iter().for_each(|(id, _)| item_ui(ui, model, queue, *id)));
@@ -284,9 +282,8 @@ fn trajectories_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
     }
     if model.shows_bottom() {
         bottom_panel(ui, model, "trajectories bottom", 331.0, |ui| {
-            ui.allocate_ui(vec2(ui.available_width(), STRIP_HEIGHT), |ui| {
-                cameras::points_strip_ui(ui, model, queue);
-            });
+            let strip = vec2(ui.available_width(), STRIP_HEIGHT);
+            ui.allocate_ui(strip, |ui| cameras::points_strip_ui(ui, model, queue));
             ui.separator();
             cameras::camera_list_ui(ui, model, queue);
         });

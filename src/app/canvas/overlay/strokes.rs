@@ -30,22 +30,14 @@ impl Strokes {
 
     /// Adds the vertices across a stroke, `at` distances from its middle, and returns their number.
     fn across(&mut self, width: f32, colour: Color32, at: impl Fn(f32) -> Pos2) -> u32 {
-        // So thin a line is nearly all soft edge: three vertices in place of four.
-        if width < 1.7 * self.feather {
-            // Covers as much area as four vertices would.
-            let reach = width;
-            self.mesh.colored_vertex(at(-reach), Color32::TRANSPARENT);
-            self.mesh.colored_vertex(at(0.0), colour);
-            self.mesh.colored_vertex(at(reach), Color32::TRANSPARENT);
-            return 3;
-        }
-        let solid = 0.5 * (width - self.feather);
-        let reach = solid + self.feather;
-        self.mesh.colored_vertex(at(-reach), Color32::TRANSPARENT);
-        self.mesh.colored_vertex(at(-solid), colour);
-        self.mesh.colored_vertex(at(solid), colour);
-        self.mesh.colored_vertex(at(reach), Color32::TRANSPARENT);
-        4
+        let clear = Color32::TRANSPARENT;
+        let (solid, reach) = (0.5 * (width - self.feather), 0.5 * (width + self.feather));
+        // So thin a line is nearly all soft edge: three vertices, which cover as much area, in place of four.
+        let thin = [(-width, clear), (0.0, colour), (width, clear)];
+        let thick = [(-reach, clear), (-solid, colour), (solid, colour), (reach, clear)];
+        let vertices = if width < 1.7 * self.feather { &thin[..] } else { &thick };
+        vertices.iter().for_each(|(offset, colour)| self.mesh.colored_vertex(at(*offset), *colour));
+        vertices.len() as u32
     }
 
     fn join(&mut self, a: u32, b: u32, count: u32) {

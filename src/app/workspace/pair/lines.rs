@@ -162,9 +162,7 @@ fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>, passed_limit: Option<String>) {
     let (index, how, distance) = (row.index, row.how_words(), row.found.distance);
     let text = format!("Match {index}{verdict}\n{how}  distance {distance:.1}{error}\n")
         + &format!("slopes ({a}) and ({b}) px/frame{limit}");
-    tip_ui(ui, "match tip", |ui| {
-        ui.label(RichText::new(text).monospace());
-    });
+    tip_ui(ui, "match tip", |ui| _ = ui.label(RichText::new(text).monospace()));
 }
 
 /// Draws the matches of each method between its panes of A and of B, with a count.
