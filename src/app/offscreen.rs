@@ -211,12 +211,9 @@ fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
     let (width, height) = (texture.width(), texture.height());
     let row_bytes = 4 * width as usize;
     let padded_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("burstscope offscreen"),
-        size: (padded_bytes * height as usize) as u64,
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
+    let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+    let (label, size) = (Some("burstscope offscreen"), (padded_bytes * height as usize) as u64);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false });
     let mut encoder = device.create_command_encoder(&Default::default());
     let bytes_per_row = Some(padded_bytes as u32);
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
@@ -236,13 +233,10 @@ fn read_back(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture
     device.poll(wait).map_err(|e| failed(&e))?;
     receiver.recv_timeout(timeout).map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;
     let mapped = buffer.get_mapped_range(..).map_err(|e| failed(&e))?;
-    let mut bytes = Vec::with_capacity(row_bytes * height as usize);
-    for row in mapped.chunks_exact(padded_bytes) {
-        bytes.extend_from_slice(&row[..row_bytes]);
-    }
+    let rows: Vec<&[u8]> = mapped.chunks_exact(padded_bytes).map(|row| &row[..row_bytes]).collect();
     // Without a surface egui's target is Rgba8Unorm; other formats would need their channels reordered.
     debug_assert_eq!(texture.format(), wgpu::TextureFormat::Rgba8Unorm);
-    RgbaImage::from_raw(width, height, bytes).ok_or_else(|| failed(&"the answer had the wrong size"))
+    RgbaImage::from_raw(width, height, rows.concat()).ok_or_else(|| failed(&"the answer had the wrong size"))
 }
 
 #[cfg(test)]

@@ -30,10 +30,11 @@ pub fn errors_panel_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if let Some((sparse, point)) = poses.model().and_then(|sparse| Some((sparse, sparse.points.get(set.point?)?))) {
         section_ui(ui, "3D point", |ui| point_ui(ui, queue, sparse, point));
     }
-    if poses.reports().next().is_some() {
+    let count = poses.reports().count();
+    if count > 0 {
         section_ui(ui, "Errors", |ui| {
             for (which, report) in poses.reports() {
-                if poses.reports().count() > 1 {
+                if count > 1 {
                     ui.label(RichText::new(name(which)).strong().color(colour(ui, which)));
                 }
                 errors_ui(ui, which, report);

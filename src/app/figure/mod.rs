@@ -362,11 +362,10 @@ fn size_ui(ui: &mut Ui, choice: &mut FigureChoice, has_matches: bool) {
         });
         ui.end_row();
         let unit = if matches!(choice.width, FigureWidth::PxPerPx(_)) { " px" } else { " pt" };
-        let rows = [
+        for (value, label, range, speed) in [
             (&mut choice.font_size, "Letter height", 4.0..=100.0, 0.1),
             (&mut choice.stroke_width, "Line width", 0.1..=20.0, 0.02),
-        ];
-        for (value, label, range, speed) in rows {
+        ] {
             let name = ui.label(label);
             ui.add(DragValue::new(value).range(range).speed(speed).suffix(unit).max_decimals(2)).labelled_by(name.id);
             ui.end_row();

@@ -89,12 +89,10 @@ impl PictureRenderer {
             })
         };
         let pane = self.panes.entry(pane).or_insert_with(|| {
-            let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("burstscope pane"),
-                size: size_of::<Uniforms>() as u64,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
+            let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+            let (label, size) = (Some("burstscope pane"), size_of::<Uniforms>() as u64);
+            let described = wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false };
+            let buffer = device.create_buffer(&described);
             Pane { bind_group: bind_group(&buffer), buffer, picture: id, last_used_frame: 0 }
         });
         // A bind group names its texture: another picture in the pane needs another group.

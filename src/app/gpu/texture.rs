@@ -78,12 +78,9 @@ impl PictureTexture {
             coarse = Some(next);
         }
         writes.submit()?;
-        let view = within_memory(device, || {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2Array),
-                ..Default::default()
-            })
-        })?;
+        let dimension = Some(wgpu::TextureViewDimension::D2Array);
+        let described = wgpu::TextureViewDescriptor { dimension, ..Default::default() };
+        let view = within_memory(device, || texture.create_view(&described))?;
         Ok(Self { layout, view })
     }
 }
@@ -135,14 +132,10 @@ impl Writes<'_> {
             wait_for_card(self.device, Some(submission));
         }
         // Each step may lack memory, which must fail this picture only and not lose the device.
-        let buffer = within_memory(self.device, || {
-            self.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("burstscope picture"),
-                size,
-                usage: wgpu::BufferUsages::MAP_WRITE | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: true,
-            })
-        })?;
+        let usage = wgpu::BufferUsages::MAP_WRITE | wgpu::BufferUsages::COPY_SRC;
+        let label = Some("burstscope picture");
+        let described = wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: true };
+        let buffer = within_memory(self.device, || self.device.create_buffer(&described))?;
         let mut mapped = buffer.get_mapped_range_mut(..).map_err(|_| NoRoom)?;
         for index in 0..rows {
             let start = index * row_bytes;
@@ -150,20 +143,18 @@ impl Writes<'_> {
         }
         drop(mapped);
         buffer.unmap();
-        let (layout, size) = (
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes as u32), rows_per_image: None },
-            wgpu::Extent3d { width: columns as u32, height: rows as u32, depth_or_array_layers: 1 },
-        );
+        let bytes_per_row = Some(row_bytes as u32);
+        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
+        let from = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+        let aspect = wgpu::TextureAspect::All;
+        let into = wgpu::TexelCopyTextureInfo { texture: self.texture, mip_level, origin, aspect };
+        let copied = wgpu::Extent3d { width: columns as u32, height: rows as u32, depth_or_array_layers: 1 };
         self.commands.push(within_memory(self.device, || {
             let mut encoder = self.device.create_command_encoder(&Default::default());
-            encoder.copy_buffer_to_texture(
-                wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
-                wgpu::TexelCopyTextureInfo { texture: self.texture, mip_level, origin, aspect: Default::default() },
-                size,
-            );
+            encoder.copy_buffer_to_texture(from, into, copied);
             encoder.finish()
         })?);
-        self.bytes += (row_bytes * rows) as u64;
+        self.bytes += size;
         Ok(())
     }
 
@@ -286,10 +277,7 @@ mod tests {
         let layout = Layout::new((1600, 1200), LIMITS).unwrap();
         assert_eq!(layout.layers(), 1);
         assert_eq!(layout.tile, (1600, 1216));
-        assert_eq!(layout.level_for(0.1), 0);
-        assert_eq!(layout.level_for(1.9), 0);
-        assert_eq!(layout.level_for(4.0), 2);
-        assert_eq!(layout.level_for(1e9), layout.levels - 1);
+        assert_eq!([0.1, 1.9, 4.0, 1e9].map(|ratio| layout.level_for(ratio)), [0, 0, 2, layout.levels - 1]);
         assert_eq!(Layout::new((3, 2), LIMITS).unwrap().tile, (3, 2));
         let small = DeviceLimits { max_side: 2048, max_layers: 4 };
         assert!(Layout::new((4096, 4096), small).is_ok());

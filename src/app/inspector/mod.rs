@@ -33,7 +33,7 @@ use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
 /// Draws the panes; returns those with a picture, in the order of drawing.
 pub fn inspector_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, queue: &mut Queue) -> Vec<Drawn> {
-    widgets.begin_pass();
+    widgets.all.values_mut().for_each(|widget| (widget.rect_ui, widget.picture.readout) = (None, None));
     let mut tree = tree_of(model.document.panes.arrangement());
     let mut inspector = Inspector { model, widgets, queue, drawn: Vec::new() };
     tree.ui(&mut inspector, ui);

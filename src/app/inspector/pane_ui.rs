@@ -211,13 +211,13 @@ pub(super) fn slice_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, axis: SliceAxis
     ui.painter().rect_filled(whole, 0.0, canvas::backdrop(ui));
     let touched = response.clicked() || response.drag_started();
     let is_probed = model.document.panes.is_on(id, model.document.probe.side);
-    let Some(answer) = model.results.probed.answer.as_ref().filter(|_| is_probed) else {
+    let answer = model.results.probed.answer.as_ref().filter(|_| is_probed);
+    let Some((answer, pane)) = answer.zip(model.pane(id)) else {
         let text = if is_probed && model.document.probe.question.is_some() { "Probing the place…" } else { HOW };
         canvas::message(ui, ui.painter(), whole, text);
         return touched;
     };
     let slice = &answer.probe.slices[axis as usize];
-    let Some(pane) = model.pane(id) else { return touched };
     let (slope, display) = (pane.cursor.slope, model.document.ranges_of(pane).intensity);
     let area = Area::of(whole, slice);
     let values = Some(((&answer.probe).into(), WHOLE, || area.over_time.plane(slice)));
@@ -255,13 +255,12 @@ impl OverTime {
     fn of(times: &[f32]) -> Self {
         let mut gaps: Vec<f32> = times.windows(2).map(|two| two[1] - two[0]).collect();
         gaps.sort_by(f32::total_cmp);
-        let (Some(first), Some(last), Some(shortest)) = (times.first(), times.last(), gaps.first()) else {
+        let [first, .., last] = *times else {
             return Self { first: times.first().copied().unwrap_or(0.0), step: 1.0, rows: times.len(), reach: 0.5 };
         };
-        let span = last - first;
-        let rows = ((span / shortest).round() as usize + 1).min(Self::FINEST * times.len());
+        let rows = (((last - first) / gaps[0]).round() as usize + 1).min(Self::FINEST * times.len());
         // A little more than half, so that rounding leaves no gap between frames at even times.
-        Self { first: *first, step: span / (rows - 1) as f32, rows, reach: 0.505 * gaps[gaps.len() / 2] }
+        Self { first, step: (last - first) / (rows - 1) as f32, rows, reach: 0.505 * gaps[gaps.len() / 2] }
     }
 
     /// Frame, by its place in `times`, that is nearest to a time.

@@ -29,7 +29,7 @@ pub struct PlaceValue {
 
 #[derive(Default)]
 pub struct PaneWidgets {
-    all: HashMap<PaneId, PaneWidget>,
+    pub(super) all: HashMap<PaneId, PaneWidget>,
     /// Values at the place under the pointer: first that of the pane under it, then those of the panes linked to it.
     pub values: Vec<PlaceValue>,
 }
@@ -52,10 +52,6 @@ impl PaneWidgets {
     }
     pub fn rect_ui(&self, id: PaneId) -> Option<Rect> {
         self.get(id)?.rect_ui
-    }
-
-    pub(super) fn begin_pass(&mut self) {
-        self.all.values_mut().for_each(|widget| (widget.rect_ui, widget.picture.readout) = (None, None));
     }
 
     pub fn retain(&mut self, keep: impl Fn(PaneId) -> bool) {

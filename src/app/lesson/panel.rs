@@ -233,9 +233,7 @@ pub fn rows_ui(ui: &mut Ui, lessons: &Lessons) -> Chosen {
         let button = Button::new(RichText::new(&lesson.title).strong());
         let response = ui.add(button.min_size(vec2(ui.available_width(), 26.0)));
         named(&response, egui::Role::Button, format!("Lesson: {}", lesson.title));
-        if response.on_hover_text(&lesson.about).clicked() {
-            chosen = Some(lesson.clone());
-        }
+        chosen = response.on_hover_text(&lesson.about).clicked().then(|| lesson.clone()).or(chosen);
         weak_ui(ui, format!("{state} · {}", lesson.about));
         ui.add_space(6.0);
     }

@@ -255,12 +255,9 @@ fn moved(axis: SlopeAxis, upper: bool, pulled: f32) -> SlopeAxis {
     let more = outwards.max(0) as usize;
     let wider = if upper { axis.with_more(0, more) } else { axis.with_more(more, 0) };
     let fewer = (-outwards).max(0) as f32;
-    let count = wider.count - fewer as usize;
-    if upper {
-        SlopeAxis { max: wider.max - fewer * axis.step(), count, ..wider }
-    } else {
-        SlopeAxis { min: wider.min + fewer * axis.step(), count, ..wider }
-    }
+    let [lower, upper] = if upper { [0.0, fewer] } else { [fewer, 0.0] };
+    let (min, max) = (wider.min + lower * axis.step(), wider.max - upper * axis.step());
+    SlopeAxis { min, max, count: wider.count - fewer as usize }
 }
 
 fn bars_ui(ui: &Ui, model: Read<'_>, second: bool, rect: Rect, x_of: &dyn Fn(f32) -> f32) {

@@ -28,9 +28,16 @@ pub fn display_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, with_
             overlay_ui(ui, model, &mut look);
         }
         queue.set(&model.document.look, look, Action::SetLook);
-        if with_features {
-            colouring_ui(ui, model, queue);
+        if !with_features {
+            return;
         }
+        ui.horizontal(|ui| {
+            let label = label_ui(ui, "Colour by", 69.0);
+            let choices = ColourBy::choices(model.document.set_up.reads_depths);
+            let (width, mut by) = (Some(ui.available_width() - 6.0), model.document.colour_by);
+            let is_chosen = choice_ui(ui, "colour by", label.id, width, &mut by, choices, ColourBy::name);
+            queue.push_if(is_chosen, Action::ColourBy(by));
+        });
     });
 }
 
@@ -102,16 +109,6 @@ pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown, model: Read<'_>
             *shown = choice;
         }
     }
-}
-
-fn colouring_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    ui.horizontal(|ui| {
-        let label = label_ui(ui, "Colour by", 69.0);
-        let choices = ColourBy::choices(model.document.set_up.reads_depths);
-        let (width, mut by) = (Some(ui.available_width() - 6.0), model.document.colour_by);
-        let is_chosen = choice_ui(ui, "colour by", label.id, width, &mut by, choices, ColourBy::name);
-        queue.push_if(is_chosen, Action::ColourBy(by));
-    });
 }
 
 /// Size of the key with its background, points.

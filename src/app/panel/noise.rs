@@ -1,6 +1,6 @@
 //! Noise of the burst as the last detection estimated it: over brightness, as a map, and what is wrong with it.
 
-use crate::app::canvas::number as in_digits;
+use crate::app::canvas::number;
 use crate::app::canvas::overlay::rgb;
 use crate::app::document::{Action, Queue, Side};
 use crate::app::panel::widgets::{instead_ui, small_text, warning_ui};
@@ -10,17 +10,13 @@ use crate::plane::display::ColourMap;
 use crate::requests::ViewKind;
 use egui::{Align2, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, Ui, vec2};
 
-fn number(value: f32) -> String {
-    in_digits(value, 3)
-}
-
 /// Size of the plot and of the map, points.
 const PLOT: egui::Vec2 = vec2(280.0, 130.0);
 const MAP_CELLS: usize = 64;
 
 pub fn summary(_: Read<'_>, found: &FoundFeatures) -> Option<[String; 2]> {
     let noise = &found.detection.noise;
-    let sigma = number(noise.frame_noise);
+    let sigma = number(noise.frame_noise, 3);
     let text = if noise.is_local {
         let (all, kept) = (noise.frames.len(), noise.frames.iter().filter(|f| f.left_out.is_none()).count());
         format!("Measured in {kept} of {all} frames  ·  σ {sigma} of full scale at middle brightness")
@@ -52,7 +48,7 @@ pub fn noise_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 fn show_ui(ui: &mut Ui, model: Read<'_>, noise: &NoiseModel, queue: &mut Queue) {
     let curve = &noise.transfer;
     ui.horizontal_wrapped(|ui| {
-        let text = format!("σ² = a·I + b:  a = {}, b = {}", number(curve.slope), number(curve.dark));
+        let text = format!("σ² = a·I + b:  a = {}, b = {}", number(curve.slope, 3), number(curve.dark, 3));
         ui.label(text).on_hover_text(
             "Variance of a frame's noise at intensity I, both as fractions of full scale: a is the shot noise per unit \
              of intensity, b the variance in the dark",
@@ -104,9 +100,9 @@ fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
     for point in points {
         painter.circle_filled(place(point.brightness, point.variance.sqrt()), 2.5, ui.visuals().text_color());
     }
-    small_text(ui, &painter, rect.left_top() + vec2(4.0, 2.0), Align2::LEFT_TOP, &number(top));
-    small_text(ui, &painter, rect.left_bottom() + vec2(4.0, -2.0), Align2::LEFT_BOTTOM, &number(low.max(0.0)));
-    small_text(ui, &painter, rect.right_bottom() + vec2(-4.0, -2.0), Align2::RIGHT_BOTTOM, &number(high));
+    small_text(ui, &painter, rect.left_top() + vec2(4.0, 2.0), Align2::LEFT_TOP, &number(top, 3));
+    small_text(ui, &painter, rect.left_bottom() + vec2(4.0, -2.0), Align2::LEFT_BOTTOM, &number(low.max(0.0), 3));
+    small_text(ui, &painter, rect.right_bottom() + vec2(-4.0, -2.0), Align2::RIGHT_BOTTOM, &number(high, 3));
 }
 
 fn map_ui(ui: &mut Ui, model: Read<'_>, noise: &NoiseModel) {
@@ -127,7 +123,7 @@ fn map_ui(ui: &mut Ui, model: Read<'_>, noise: &NoiseModel) {
             painter.rect_filled(cell, 0.0, rgb(lut[(t * 255.0) as usize]));
         }
     }
-    let (low, high) = (number(min), number(max));
+    let (low, high) = (number(min, 3), number(max, 3));
     let range = if max > min * 1.001 { format!("{low} … {high}") } else { format!("{high} everywhere") };
     small_text(ui, &painter, rect.left_bottom() + vec2(4.0, -2.0), Align2::LEFT_BOTTOM, &range);
 }

@@ -62,12 +62,11 @@ pub fn selection_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     });
 }
 
-/// Whether it stands in a row with others, or above the numbers.
-fn stands_with_others(quantity: Quantity) -> bool {
-    use Quantity as Q;
-    let is_motion = matches!(quantity, Q::SlopeU | Q::SlopeV | Q::SlopeSigma | Q::FieldU | Q::FieldV | Q::FieldSigma);
-    is_motion || matches!(quantity, Q::Rank | Q::U | Q::V | Q::Layer | Q::Depth | Q::Verdict)
-}
+/// Quantities that stand in a row with others, or above the numbers.
+const WITH_OTHERS: [Quantity; 12] = {
+    use Quantity::{Depth, FieldSigma, FieldU, FieldV, Layer, Rank, SlopeSigma, SlopeU, SlopeV, U, V, Verdict};
+    [Rank, U, V, SlopeU, SlopeV, SlopeSigma, FieldU, FieldV, FieldSigma, Layer, Depth, Verdict]
+};
 
 fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: KnownOfFeature<'_>, layers: &[MotionLayer]) {
     let grid = egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0);
@@ -76,21 +75,22 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: KnownOfFeature<'_>,
         row("Number", "By |D|·√SNR, the strongest first, from 0 as in files", index.to_string());
         let help = "At mid-burst, pixels; the centre of the first pixel is (0, 0)";
         row("Place (u, v)", help, format!("{}, {} px", fixed(f.u, 2), fixed(f.v, 2)));
-        let motion = |slope, sigma| without_unit(&motion_text(slope, sigma, 2));
+        // The names of the rows have the unit.
+        let motion = |slope, sigma| motion_text(slope, sigma, 2).replace(" px/frame", "");
         let help = "(u, v) of its own motion, refined between the grid's slopes, ± the standard deviation along its least certain direction";
         row("Slope, px/frame", help, motion(f.slope, f.slope_sigma));
         let help = "(u, v) of the motion of its place, from the field of motion, ± the standard deviation along the least certain direction";
         let field = f.known_field().map_or_else(|| "unknown".to_owned(), |field| motion(field, f.field_sigma));
         row("Field, px/frame", help, field);
         let layer = usize::try_from(f.layer - 1).ok().and_then(|index| layers.get(index));
-        let layer = layer.map_or_else(|| "none".to_owned(), |layer| without_unit(&layer_text(f.layer, layer)));
-        row("Layer, px/frame", Quantity::Layer.record().help, layer);
+        let layer = layer.map_or_else(|| "none".to_owned(), |layer| layer_text(f.layer, layer));
+        row("Layer, px/frame", Quantity::Layer.record().help, layer.replace(" px/frame", ""));
         if let Some(depth) = known.depth_m {
             row("Depth", "Depth that its motion means by the set-up, ± the standard deviation", depth_text(depth));
         }
         row("Speed, px/frame", "Length of the slope", format!("{:.3}", f.slope.magnitude()));
         row("Slope index", "Index of the slope of the grid at which it was found, from 0", f.slope_index.to_string());
-        for quantity in Quantity::ALL.into_iter().filter(|quantity| !stands_with_others(*quantity)) {
+        for quantity in Quantity::ALL.into_iter().filter(|quantity| !WITH_OTHERS.contains(quantity)) {
             let (record, text) = (quantity.record(), quantity_text(quantity, index, f, known));
             let has_unit = !record.unit.is_empty() && !text.ends_with('°');
             let unit = if has_unit { format!(", {}", record.unit) } else { String::new() };
@@ -98,11 +98,6 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: KnownOfFeature<'_>,
             row(&format!("{}{unit}", record.title), record.help, text.to_owned());
         }
     });
-}
-
-/// A motion without the unit, which the name of its row has.
-fn without_unit(motion: &str) -> String {
-    motion.replace(" px/frame", "")
 }
 
 fn patches_ui(ui: &mut Ui, model: Read<'_>, feature: &Feature) {

@@ -237,21 +237,15 @@ pub fn selected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         ui.horizontal_wrapped(|ui| {
             ui.add(Label::new(capitalised(&mark_text(&mark, slope).replace('\n', "  ·  "))).wrap());
             let tip = "Show the DoG at its slope, octave and level, centred on it";
-            if ui.button("Go to candidate").on_hover_text(tip).clicked() {
-                let to = Destination {
-                    slope: Some(slope),
-                    scale: Some((mark.sample.octave, mark.sample.level)),
-                    kind: Some(ViewKind::Dog),
-                    at: Some((mark.pos_image, 60.0 / mark.sigma.max(1.0))),
-                    ..Destination::default()
-                };
-                queue.push(Action::GoTo(Side::A, to));
-            }
+            let goes = ui.button("Go to candidate").on_hover_text(tip).clicked();
+            let (scale, kind) = (Some((mark.sample.octave, mark.sample.level)), Some(ViewKind::Dog));
+            let at = Some((mark.pos_image, 60.0 / mark.sigma.max(1.0)));
+            let to = Destination { slope: Some(slope), scale, kind, at, ..Destination::default() };
+            queue.push_if(goes, Action::GoTo(Side::A, to));
             let tip = "Show its tests in order, and the setting that would keep it";
-            if ui.button("Probe candidate").on_hover_text(tip).clicked() {
-                let wanted = ProbeSubject::Candidate(mark.sample);
-                queue.push(Action::Probe(Side::A, ProbeQuestion::At { place: mark.pos_image, wanted }));
-            }
+            let probes = ui.button("Probe candidate").on_hover_text(tip).clicked();
+            let question = ProbeQuestion::At { place: mark.pos_image, wanted: ProbeSubject::Candidate(mark.sample) };
+            queue.push_if(probes, Action::Probe(Side::A, question));
             let response = ui.button("Clear").on_hover_text("Clear the selection");
             queue.push_if(response.clicked(), Action::SelectCandidate(None));
         });

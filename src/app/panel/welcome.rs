@@ -53,9 +53,7 @@ pub fn welcome_ui(ui: &mut Ui, model: Read<'_>, remembered: &Settings, lessons: 
         for lesson in lessons.all() {
             let link = ui.link(&lesson.title).on_hover_text(&lesson.about);
             named(&link, egui::Role::Link, format!("Lesson: {}", lesson.title));
-            if link.clicked() {
-                chosen = Some(lesson.clone());
-            }
+            chosen = link.clicked().then(|| lesson.clone()).or(chosen.take());
         }
     };
     // A small window scrolls.

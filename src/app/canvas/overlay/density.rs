@@ -108,16 +108,19 @@ mod tests {
         (RectTransform::new(corner, pos2(0.0, 0.0), zoom), Rect::from_min_size(corner, size))
     }
 
-    fn flags(features: &[Feature], corner: egui::Pos2, zoom: f32) -> Vec<bool> {
+    fn strongest(features: &[Feature], corner: egui::Pos2, zoom: f32) -> Drawn {
         let (transform, rect) = view(corner, zoom);
-        drawn(features, |_| Some(Group::Own), transform, rect, |_| false).flags
+        drawn(features, |_| Some(Group::Own), transform, rect, |_| false)
+    }
+
+    fn flags(features: &[Feature], corner: egui::Pos2, zoom: f32) -> Vec<bool> {
+        strongest(features, corner, zoom).flags
     }
 
     #[test]
     fn a_view_bears_a_few_hundred_of_the_strongest_in_every_part() {
         let features = crowd(5000);
-        let (transform, rect) = view(pos2(0.0, 0.0), 2.0);
-        let all = drawn(&features, |_| Some(Group::Own), transform, rect, |_| false);
+        let all = strongest(&features, pos2(0.0, 0.0), 2.0);
         assert!((100..600).contains(&all.drawn), "{}", all.drawn);
         assert_eq!(all.in_view, 5000);
         assert_eq!(all.drawn, all.flags.iter().filter(|flag| **flag).count());
@@ -145,12 +148,11 @@ mod tests {
             }
             before = here;
         }
-        let seen = |corner| view(corner, 4.0).1;
-        let (a, b) = (pos2(20.0, 30.0), pos2(63.0, 47.0));
-        let (in_a, in_b) = (flags(&features, a, 4.0), flags(&features, b, 4.0));
-        let both = seen(a).intersect(seen(b));
-        let compared = (0..features.len()).filter(|&i| both.contains(pos2(features[i].u, features[i].v)));
-        let compared: Vec<usize> = compared.collect();
+        let corners = [pos2(20.0, 30.0), pos2(63.0, 47.0)];
+        let [in_a, in_b] = corners.map(|corner| flags(&features, corner, 4.0));
+        let [a, b] = corners.map(|corner| view(corner, 4.0).1);
+        let is_in_both = |i: &usize| a.intersect(b).contains(pos2(features[*i].u, features[*i].v));
+        let compared: Vec<usize> = (0..features.len()).filter(is_in_both).collect();
         assert!(compared.len() > 50 && compared.iter().all(|&i| in_a[i] == in_b[i]));
     }
 
@@ -193,8 +195,7 @@ mod tests {
         features[4].v = f32::INFINITY;
         features[5].u = -1e30;
         for zoom in [1e-9, 1e-3, 1.0, 1e4, 1e9] {
-            let (transform, rect) = view(pos2(-1e5, 2e5), zoom);
-            assert_eq!(drawn(&features, |_| Some(Group::Own), transform, rect, |_| false).flags.len(), 100);
+            assert_eq!(flags(&features, pos2(-1e5, 2e5), zoom).len(), 100);
         }
     }
 }

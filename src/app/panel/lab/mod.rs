@@ -40,7 +40,18 @@ pub fn lab_settings_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     }
     section_ui(ui, "Settings", |ui| form::form_ui(ui, &mut lab));
     if model.document.lab.question.compares_methods() {
-        section_ui(ui, "Methods", |ui| methods_ui(ui, &mut lab));
+        section_ui(ui, "Methods", |ui| {
+            for method in BurstMethod::ALL {
+                let mut on = lab.methods.contains(&method);
+                ui.horizontal(|ui| {
+                    dot_ui(ui, curve_colour(ui, method.line().0));
+                    if ui.checkbox(&mut on, method.label()).changed() {
+                        lab.methods.retain(|m| *m != method);
+                        lab.methods.extend(on.then_some(method));
+                    }
+                });
+            }
+        });
     }
     section_ui(ui, "Dark copy of A", |ui| dark_copy_ui(ui, model, &mut lab, queue));
     queue.edit(model.document, Action::SetLab(Box::new(lab)));
@@ -61,19 +72,6 @@ fn start_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     });
     if let Some(problem) = model.lab_study().err().or_else(|| model.results.studies.problem.clone()) {
         error_ui(ui, problem);
-    }
-}
-
-fn methods_ui(ui: &mut Ui, lab: &mut Lab) {
-    for method in BurstMethod::ALL {
-        let mut on = lab.methods.contains(&method);
-        ui.horizontal(|ui| {
-            dot_ui(ui, curve_colour(ui, method.line().0));
-            if ui.checkbox(&mut on, method.label()).changed() {
-                lab.methods.retain(|m| *m != method);
-                lab.methods.extend(on.then_some(method));
-            }
-        });
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{apply_ui, go_to_ui};
 use crate::app::document::{Action, Queue};
-use crate::app::panel::widgets::{named, only_ui, small_text, weak_ui};
+use crate::app::panel::widgets::{named, only_ui, small_text};
 use crate::app::results::Read;
 use crate::app::style;
 use crate::detector::Test;
@@ -35,15 +35,12 @@ pub(super) fn fates_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mu
             .show_unindented(ui, |ui| list_ui(ui, answer, larger, queue));
     }
     ui.add_space(4.0);
-    match answer.probe.subject_fate() {
-        Some(fate) => fate_ui(ui, model, fate, answer.probe.outlook.as_ref(), queue),
-        None => {
-            let hint = match answer.request.question {
-                ProbeQuestion::At { wanted: ProbeSubject::Scale { .. }, .. } => "No candidate at this slope and scale.",
-                _ => "Click a candidate to see its tests.",
-            };
-            weak_ui(ui, hint);
+    match (answer.probe.subject_fate(), answer.request.question) {
+        (Some(fate), _) => fate_ui(ui, model, fate, answer.probe.outlook.as_ref(), queue),
+        (None, ProbeQuestion::At { wanted: ProbeSubject::Scale { .. }, .. }) => {
+            only_ui(ui, "No candidate at this slope and scale.");
         }
+        (None, _) => only_ui(ui, "Click a candidate to see its tests."),
     }
 }
 

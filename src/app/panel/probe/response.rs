@@ -43,7 +43,10 @@ fn scales_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     contour(&painter, &area, &map.snr, map.gate);
     if let Some(motion) = &answer.probe.motion {
         let [from, to] = map.band_of(motion).map(|column| area.pos(column, 0.0).x);
-        band(&painter, Rect::from_x_y_ranges(from..=to, area.rect.y_range()));
+        let band = Rect::from_x_y_ranges(from..=to, area.rect.y_range());
+        let band = band.expand2(vec2((LEAST_BAND - 0.5 * band.width()).max(0.0), 0.0));
+        painter.rect_filled(band, 0.0, MOTION_FILL);
+        painter.vline(band.center().x, band.y_range(), MOTION_LINE);
     }
     let cell = response.hover_pos().and_then(|pos| area.cell(pos));
     let subject = map.row_of(answer.probe.subject.octave, answer.probe.subject.level).unwrap_or(0);
@@ -244,12 +247,6 @@ fn contour(painter: &Painter, area: &Area, plane: &Plane, gate: f32) {
 const MOTION_LINE: Stroke = Stroke { width: 1.5, color: Color32::from_rgb(0, 110, 60) };
 const MOTION_FILL: Color32 = Color32::from_rgba_premultiplied(0, 40, 20, 60);
 const LEAST_BAND: f32 = 2.0;
-
-fn band(painter: &Painter, rect: Rect) {
-    let rect = rect.expand2(vec2((LEAST_BAND - 0.5 * rect.width()).max(0.0), 0.0));
-    painter.rect_filled(rect, 0.0, MOTION_FILL);
-    painter.vline(rect.center().x, rect.y_range(), MOTION_LINE);
-}
 
 /// Draws a candidate; kept and selected ones are larger.
 fn ring(painter: &Painter, at: Pos2, kept: bool, selected: bool) {

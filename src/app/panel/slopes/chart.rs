@@ -98,17 +98,13 @@ pub(super) fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f
         let (low, high) = (near.min(far).max(range.min), near.max(far).min(range.max));
         if low <= high {
             let band = Rect::from_x_y_ranges(low - 1.0..=high + 1.0, inner.top() - 4.0..=inner.top() - 1.0);
-            painter.rect_filled(band, 1.0, expected_colour(ui));
+            painter.rect_filled(band, 1.0, ui.visuals().hyperlink_color);
         }
     }
     named(&response, egui::Role::Image, "Features and evidence by slope");
     let pointed = response.hover_pos().map(|pos| first + ((pos.x - inner.left()) / cell).floor() as i64);
     let bar = pointed.and_then(|at| bars.iter().find(|(place, _)| *place == at));
     response.on_hover_text_at_pointer(bar.map_or_else(|| "No slopes".to_owned(), |(_, bar)| bar_text(bar)));
-}
-
-fn expected_colour(ui: &Ui) -> Color32 {
-    ui.visuals().hyperlink_color
 }
 
 /// Draws the key of the colours, on a second line where there is no room beside: it must not push the advice away.
@@ -120,8 +116,8 @@ fn key_ui(ui: &mut Ui, marks: &Marks) {
             (style::warning(ui), "at the limit", "Features whose response still rises beyond the searched slopes"),
             (style::good(ui), "evidence", "What the frames have in common at each slope, before any threshold"),
         ];
-        let set_up =
-            (expected_colour(ui), "set-up", "Slopes of things between the nearest and the farthest, by the set-up");
+        let tip = "Slopes of things between the nearest and the farthest, by the set-up";
+        let set_up = (ui.visuals().hyperlink_color, "set-up", tip);
         for (colour, text, tip) in keys.into_iter().chain(marks.expected.map(|_| set_up)) {
             dot_ui(ui, colour);
             ui.label(RichText::new(text).small()).on_hover_text(tip);
@@ -171,7 +167,7 @@ pub(super) fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: 
                         rect.min + side * vec2(i - i0 as f32 + 0.5, j - j0 as f32 + 0.5)
                     };
                     let inside = ui.painter_at(rect);
-                    inside.line_segment(ends.map(place), Stroke::new(2.0, expected_colour(ui)));
+                    inside.line_segment(ends.map(place), Stroke::new(2.0, ui.visuals().hyperlink_color));
                 }
                 named(&response, egui::Role::Image, format!("{name} by slope"));
                 let at = response.hover_pos().map(|pos| {

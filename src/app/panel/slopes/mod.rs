@@ -202,14 +202,14 @@ fn fields_ui(ui: &mut Ui, values: &mut SetUp) {
         field(ui, "Focal length", "Focal length in pixels", focal);
         ui.end_row();
         ui.label("Depths");
-        field(ui, "Nearest", "Depth of the nearest things", depth_field(near));
-        field(ui, "Farthest", "Depth of the farthest things", depth_field(far));
+        for (name, help, metres) in
+            [("Nearest", "Depth of the nearest things", near), ("Farthest", "Depth of the farthest things", far)]
+        {
+            let depth = DragValue::new(metres).range(set_up_bounds::DEPTH.span()).speed(0.02).suffix(" m");
+            field(ui, name, help, depth);
+        }
         ui.end_row();
     });
-}
-
-fn depth_field(metres: &mut f64) -> DragValue<'_> {
-    DragValue::new(metres).range(set_up_bounds::DEPTH.span()).speed(0.02).suffix(" m")
 }
 
 fn slopes_of_set_up_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {

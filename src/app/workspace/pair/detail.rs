@@ -50,19 +50,16 @@ pub fn detail_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 }
 
 fn patches_ui(ui: &mut Ui, model: Read<'_>, row: &MatchRow<'_>, width: f32) {
+    let slope = |feature: &Feature| format!(": slope {}", signed_slope(feature.slope, 2));
+    let stack = "From the motion stack at the feature's own slope, in pixels per frame";
+    let aligned = "Where the picture of A's place is found in B, turned and scaled as it is there";
+    let found = [("A", Side::A, *row.a, slope(row.a), stack), ("B", Side::B, *row.b, slope(row.b), stack)];
+    let aligned = row.aligned.map(|found| ("B, aligned", Side::B, found.b, String::new(), aligned));
     ui.horizontal(|ui| {
-        let found = [("A", Side::A, *row.a), ("B", Side::B, *row.b)];
-        let aligned = row.aligned.map(|aligned| ("B, aligned", Side::B, aligned.b));
-        for (label, side, feature) in found.into_iter().chain(aligned) {
+        for (label, side, feature, slope, help) in found.into_iter().chain(aligned) {
             let (name, display) = (&format!("Patch in {label}"), model.document.ranges_of_side(side).intensity);
             let view = PatchView { name, feature, turned: true, display };
-            let (text, help) = if label.len() == 1 {
-                let help = "From the motion stack at the feature's own slope, in pixels per frame";
-                (format!("{label}: slope {}", signed_slope(feature.slope, 2)), help)
-            } else {
-                (label.to_owned(), "Where the picture of A's place is found in B, turned and scaled as it is there")
-            };
-            let caption = RichText::new(text).small().weak();
+            let caption = RichText::new(format!("{label}{slope}")).small().weak();
             view.ui(ui, model.stack_at(side, feature.slope), width, caption).on_hover_text(help);
         }
     });
@@ -227,10 +224,10 @@ fn candidate_patches_ui(ui: &mut Ui, model: Read<'_>, own: &Feature, unmatched: 
     let width = ((ui.available_width() - 3.0 * 6.0) / (PATCHES + 1) as f32).clamp(40.0, 90.0);
     let candidates = unmatched.candidates.iter().take(PATCHES);
     let others = candidates.filter_map(|c| Some((Side::B, *sides.b.features.get(c.feature)?)));
-    let all: Vec<(Side, Feature)> = std::iter::once((Side::A, *own)).chain(others).collect();
+    let all = std::iter::once((Side::A, *own)).chain(others);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
-        for (place, (side, feature)) in all.into_iter().enumerate() {
+        for (place, (side, feature)) in all.enumerate() {
             let (name, caption) = match place.checked_sub(1) {
                 None => ("Patch of the feature".to_owned(), RichText::new("A").weak()),
                 Some(candidate) => {

@@ -8,7 +8,7 @@ use crate::app::panel::widgets::{make_room, named, only_ui, progress_text, text_
 use crate::app::results::{Matches, PAIR_NUMBERS, Read, lost_words};
 use crate::app::view::{fixed, signed_slope};
 use crate::inspect::pair::Lost;
-use crate::matching::{Geometry, MatchCounts};
+use crate::matching::Geometry;
 use egui::{Label, RichText, Ui};
 
 impl SortedColumn for MatchColumn {
@@ -119,7 +119,10 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>) {
         return;
     };
     ui.spacing_mut().item_spacing.x = 10.0;
-    for (name, help, value) in rows(&matches.result.counts) {
+    let counts = &matches.result.counts;
+    let keypoints = format!("{} + {}", counts.keypoints_a, counts.keypoints_b);
+    let numbers = PAIR_NUMBERS.map(|(name, help, of)| (name, help, of(counts).unwrap_or_else(|| "–".to_owned())));
+    for (name, help, value) in [("Keypoints", "Features of A and of B", keypoints)].into_iter().chain(numbers) {
         let text = format!("{name} {value}");
         let (name, value) = (RichText::new(name).small().weak(), RichText::new(value).strong().monospace());
         if model.shows_bottom() {
@@ -143,12 +146,6 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>) {
         let tip = "Inliers first: a few for each part of A's picture (zoom in for more), or as many as At most says";
         ui.add(Label::new(RichText::new(format!("{drawn} of {lines} drawn")).weak()).truncate()).on_hover_text(tip);
     }
-}
-
-fn rows(counts: &MatchCounts) -> Vec<(&'static str, &'static str, String)> {
-    let keypoints = format!("{} + {}", counts.keypoints_a, counts.keypoints_b);
-    let numbers = PAIR_NUMBERS.map(|(name, help, of)| (name, help, of(counts).unwrap_or_else(|| "–".to_owned())));
-    std::iter::once(("Keypoints", "Features of A and of B", keypoints)).chain(numbers).collect()
 }
 
 fn without_geometry(matches: &Matches) -> Option<String> {
