@@ -292,17 +292,15 @@ impl BurstscopeApp {
     }
 
     fn offers_ui(&mut self, ui: &mut Ui, bar: Frame, queue: &mut Queue) {
+        let offer_ui = |offer, ui: &mut Ui| panel::status::recovery_ui(ui, &offer);
         if let Some(recovery) = &mut self.recovery
             && let Some(offer) = recovery.offer()
+            && let Some(choice) = Panel::top("recovery offer").frame(bar).show(ui, |ui| offer_ui(offer, ui)).inner
+            && let Some(path) = recovery.settle(choice, &mut self.model.shell.messages)
         {
-            let offer_ui = |ui: &mut Ui| panel::status::recovery_ui(ui, &offer);
-            if let Some(choice) = Panel::top("recovery offer").frame(bar).show(ui, offer_ui).inner {
-                if let Some(path) = recovery.settle(choice, &mut self.model.shell.messages) {
-                    self.apply([Effect::UseFiles(Purpose::RestoreSession, vec![path])]);
-                    let waits_for = self.restoring.waits_for(Read::of(&self.model));
-                    self.recovery.iter_mut().for_each(|recovery| recovery.restoring = waits_for);
-                }
-            }
+            self.apply([Effect::UseFiles(Purpose::RestoreSession, vec![path])]);
+            let waits_for = self.restoring.waits_for(Read::of(&self.model));
+            self.recovery.iter_mut().for_each(|recovery| recovery.restoring = waits_for);
         }
         if let Some(own) = &self.model.results.left_behind {
             Panel::top("left behind").frame(bar).show(ui, |ui| panel::status::left_behind_ui(ui, own, queue));

@@ -228,9 +228,8 @@ fn frame_ui(ui: &Ui, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTr
             drawn if drawn < all => format!("3D points, {drawn} of {all} drawn"),
             drawn => format!("{drawn} 3D points"),
         };
-        entry(&text, None, &|middle| {
-            _ = painter.rect_filled(Rect::from_center_size(middle, vec2(2.5, 2.5)), 0.0, weak)
-        });
+        let point = |middle| Rect::from_center_size(middle, vec2(2.5, 2.5));
+        entry(&text, None, &|middle| _ = painter.rect_filled(point(middle), 0.0, weak));
     }
     // The scale bar takes up to a quarter of the width.
     let points_per_unit = scene.scale * f64::from(ui_from_plane.scale());

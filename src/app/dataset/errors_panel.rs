@@ -65,8 +65,7 @@ fn file_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, which:
     }
 }
 
-/// A camera, with its burst and the pair by which it hangs: the weakest of the burst, or where no estimate has the camera
-/// the best.
+/// A camera, its burst, and the pair by which it hangs: the burst's weakest, or the best where no estimate has it.
 fn camera_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, camera: usize) {
     ui.label(camera_text(model, camera));
     let label = camera_label(model, camera);

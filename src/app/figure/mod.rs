@@ -12,7 +12,7 @@ use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, describe};
 use crate::app::panel::widgets::{close_ui, error_ui, modal_ui};
-use crate::app::results::{MatchRow, Matches, Read};
+use crate::app::results::{MatchRow, Read};
 use crate::app::workspace::pair::lines::line_of;
 use crate::detector::{Feature, Quantity};
 use crate::export::film::{FILM_RATES, estimated_film_bytes};
@@ -30,24 +30,21 @@ use std::sync::Arc;
 
 /// Matches of the panes as the choice has them. Of one pair the legend counts those drawn, and all of the panes.
 fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: &FigureChoice) -> FigureMatches {
-    let shown: Vec<(Option<MethodId>, &Matches, Vec<usize>)> = match model.document.workspace.shows_pair() {
-        true => model.results.pair.matches.iter().map(|matches| (None, matches, model.drawn_matches())).collect(),
-        false if model.document.compares_methods() => MethodId::ALL
-            .into_iter()
-            .filter_map(|method| Some((method, model.method_matches(method)?)))
-            .map(|(method, matches)| {
-                let rows = matches.rows().filter(|row| row.is_shown(&model.document.match_look)).map(|row| row.index);
-                (Some(method), matches, rows.collect())
-            })
-            .collect(),
-        false => Vec::new(),
-    };
+    let document = model.document;
+    let (is_pair, are_methods) = (document.workspace.shows_pair(), document.compares_methods());
+    let of_pair = model.results.pair.matches.as_ref().filter(|_| is_pair);
+    let of_pair = of_pair.map(|matches| (None, matches, model.drawn_matches()));
+    let of_methods = MethodId::ALL.into_iter().filter(|_| are_methods && !is_pair).filter_map(|method| {
+        let matches = model.method_matches(method)?;
+        let rows = matches.rows().filter(|row| row.is_shown(&document.match_look)).map(|row| row.index);
+        Some((Some(method), matches, rows.collect()))
+    });
     // Panes hidden behind a tab have no neighbours.
     let place = |id: &PaneId| Some((*id, widgets.rect_ui(*id).filter(egui::Rect::is_positive)?));
     let places: Vec<_> = panes.iter().filter_map(place).collect();
     let mut links = Vec::new();
     let (mut all, mut drawn) = (Vec::new(), Vec::new());
-    for (method, matches, shown) in shown {
+    for (method, matches, shown) in of_pair.into_iter().chain(of_methods) {
         // Panes of A and of B that the window joins for these, with the times of their pictures from mid-burst.
         let shift = |id: PaneId, side| model.frames_from_middle(id, matches.detection(side)).unwrap_or_default();
         let pairs = joined_panes(model, &places, method).into_iter().map(|(a, b)| [places[a].0, places[b].0]);
@@ -145,8 +142,7 @@ fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureC
     Some(FigurePicture { picture: picture.clone(), region, display, features, panel })
 }
 
-/// Title of a picture: where methods are compared the method with the count of its inliers, in *Two bursts* the burst,
-/// then what is shown.
+/// Title of a picture: the method with its count of inliers, or in *Two bursts* the burst, then what is shown.
 fn title_of(model: Read<'_>, id: PaneId, picture: &PictureAnswer) -> String {
     let shown = describe(picture);
     let Some(pane) = model.pane(id) else { return shown };

@@ -1,8 +1,6 @@
-//! Histogram of a picture, whose range's ends can be dragged, and the settings with which its values are shown: range,
-//! colour map, gamma.
+//! Histogram of a picture, with handles on the range's ends, and the settings of range, colour map and gamma.
 //!
-//! The range changes only by hand, so that pictures can be compared; the axis stays as long as range and values fit on
-//! it.
+//! The range changes only by hand, so that pictures can be compared; the axis stays while range and values fit on it.
 
 use crate::app::canvas::overlay::rgb;
 use crate::app::canvas::{Picture, number};

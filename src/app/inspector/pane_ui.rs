@@ -82,8 +82,7 @@ pub(super) fn picture_ui(
     Drawn { pane: id, shown, output, right: None }
 }
 
-/// Goes through the frames of a pane that shows one, or else through its slopes, by the wheel with Alt; with Shift too
-/// along v.
+/// Goes by the wheel with Alt through the frames of a pane that shows one, or else its slopes; with Shift along v.
 pub(super) fn scrub_ui(ui: &Ui, model: Read<'_>, drawn: &Drawn, queue: &mut Queue) {
     let id = drawn.pane;
     let modifiers = ui.input(|i| i.modifiers);
@@ -174,8 +173,7 @@ fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
     response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
 }
 
-/// Draws a text on a dark background in a corner of a picture, as much of it as there is room for. `salt` makes its id
-/// unique.
+/// Draws as much of a text as fits on a dark background in a corner of a picture. `salt` makes its id unique.
 pub(in crate::app) fn chip_ui(
     ui: &Ui,
     output: &CanvasOutput,

@@ -1,5 +1,4 @@
-//! Panel of the open lesson, the keys of a presenter, the frames and rings around what a step speaks of, and the list of
-//! all lessons.
+//! Panel of the open lesson, a presenter's keys, frames and rings around what a step speaks of, the list of lessons.
 
 use super::snr::{shown_spot, snr_ui};
 use super::{LessonAction, Lessons, OpenLesson};

@@ -157,8 +157,7 @@ pub fn measure_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput) {
     }
 }
 
-/// Greys of a mask of `burst`, row by row: 0 where something `drawn` hides it and where all of its frames are masked,
-/// otherwise 255.
+/// Greys of a mask of `burst`, row by row: 0 where something `drawn` hides it or all frames are masked, otherwise 255.
 pub fn mask_of(burst: &Burst, drawn: &[Hidden]) -> Vec<u8> {
     let (width, height) = burst.size();
     let hides = |u: usize, v: usize| burst.frames.iter().all(|frame| frame.is_hidden_at(u, v));

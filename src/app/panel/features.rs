@@ -25,8 +25,7 @@ pub struct FeatureLayer {
     pub shown: Vec<bool>,
     /// For each feature, whether its motion is another than [`Self::slope`]; empty without a slope.
     elsewhere: Vec<bool>,
-    /// Slope by which the picture was shifted; `None` if it was not, or by several, or if features at other slopes are
-    /// not to be fainter.
+    /// Slope by which the picture was shifted; `None` if by none or several, or if other features are not fainter.
     pub slope: Option<Slope>,
     pub selected: Option<usize>,
     pub hovered: Option<usize>,

@@ -21,8 +21,7 @@ impl GlossaryWindow {
         }
     }
 
-    /// Closes the window if it is open and Escape was pressed, also in its search field. The key then does nothing
-    /// else.
+    /// Closes the open window if Escape was pressed, also in its search field. The key then does nothing else.
     pub fn take_escape(&mut self, ctx: &Context) {
         let closes = self.is_open && !egui::Popup::is_any_open(ctx);
         if closes && ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Escape)) {

@@ -7,8 +7,7 @@ use crate::app::panel::widgets::named;
 use crate::app::results::Read;
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
 
-/// Draws a legend of `size` points, margins included, or its chip, in the corner `align` of the picture in `rect_ui`; a
-/// click folds or unfolds it.
+/// Draws a legend of `size` points, margins included, or its chip, in the corner `align`; a click folds or unfolds it.
 pub fn legend_ui(
     ui: &mut Ui,
     model: Read<'_>,

@@ -118,8 +118,7 @@ fn views_ui(ui: &mut Ui, views: &mut Option<ViewsChoice>) {
     });
 }
 
-/// Draws the dialog if there is a draft; closing it drops the draft. Returns the purpose for which a file is to be
-/// chosen.
+/// Draws the dialog if there is a draft; closing it drops the draft. Returns the purpose of a file to be chosen.
 pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>, queue: &mut Queue) -> Option<Purpose> {
     let options = draft.as_mut()?;
     let (mut choice, mut stays) = (None, true);
@@ -288,8 +287,7 @@ pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings:
     });
 }
 
-/// Draws the choice among `bursts` if there are any. Returns the chosen one; then, or when the dialog is closed,
-/// `bursts` becomes empty.
+/// Draws the choice among `bursts` if there are any; closing it empties them. Returns the chosen one.
 pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<BurstSource> {
     let (mut chosen, mut is_open) = (None, !bursts.is_empty());
     let heading = format!("{} bursts in this folder", bursts.len());

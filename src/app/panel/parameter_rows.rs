@@ -20,8 +20,7 @@ pub struct ParamTable<'a, P> {
 }
 
 impl<P: Clone> ParamTable<'_, P> {
-    /// Draws the row of one parameter: its name and unit, its editor, a reset button, and its error. Without an effect
-    /// it is greyed out.
+    /// Draws the row of one parameter: its name and unit, editor, reset button and error; greyed out without an effect.
     pub fn row(&self, ui: &mut Ui, record: &Param<P>, params: &mut P) {
         let default = record.text(&self.defaults);
         let differs = record.text(params) != default;
@@ -34,8 +33,7 @@ impl<P: Clone> ParamTable<'_, P> {
         });
     }
 
-    /// Draws the row of one parameter with an editor of its own. Where its value `differs` from the default there is a
-    /// button, which applies `reset`.
+    /// Draws a row with an editor of its own; where the value `differs` from the default, a button applies `reset`.
     pub fn row_with<V>(
         &self,
         ui: &mut Ui,

@@ -39,8 +39,7 @@ pub struct PictureState {
 }
 
 impl PictureState {
-    /// Updates the picture on the canvas and the preview over it. Unchanged pixels keep their id, so that they are
-    /// uploaded once.
+    /// Updates the picture on the canvas and its preview. Unchanged pixels keep their id: they are uploaded once.
     pub(in crate::app) fn refresh(&mut self, pictures: [Option<&PictureAnswer>; 2]) {
         for (kept, picture) in [&mut self.shown, &mut self.preview].into_iter().zip(pictures) {
             *kept = picture.map(|picture| match kept.take() {

@@ -190,8 +190,7 @@ impl PatchView<'_> {
         column.inner
     }
 
-    /// Draws the patch of `plane`, on the input image's pixels, into a square of `side` points; without it the square
-    /// stays empty.
+    /// Draws the patch of `plane`, on the input image's pixels, into a square of `side` points, empty without a plane.
     fn patch_ui(&self, ui: &mut Ui, plane: Option<&Arc<Plane>>, side: f32) {
         let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
         let Some(plane) = plane else { return };

@@ -66,8 +66,7 @@ pub fn status_ui(ui: &mut Ui, model: Read<'_>, readout: Option<&str>, queue: &mu
     types_path
 }
 
-/// Draws the number of notes on how the burst was read, if there are any; a click shows them whole, which the status bar
-/// has no space for.
+/// Draws the number of notes on how the burst was read, if any; a click shows them, for which the bar has no space.
 fn notes_ui(ui: &mut Ui, model: Read<'_>) {
     let Some(burst) = model.burst_of(model.active_side()).map(|open| &open.burst) else { return };
     let notes = burst.notes();
@@ -94,8 +93,7 @@ fn burst_text(model: Read<'_>) -> String {
     let burst = &open.burst;
     let (width, height) = burst.size();
     let depth = if burst.quantisation_step > 0.0 {
-        // Twelve bits in the upper part of a 16-bit word end slightly below full scale: whole steps, and the level at
-        // zero.
+        // Twelve bits in the upper part of a 16-bit word end slightly below full scale: whole steps and the level at 0.
         format!(" · {:.0} levels", (1.0 / burst.quantisation_step + 0.02).floor() + 1.0)
     } else {
         " · float".to_owned()

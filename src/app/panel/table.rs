@@ -360,8 +360,7 @@ fn range_ui(ui: &mut Ui, quantity: Quantity, (low, high): (f32, f32), interval: 
         ui.spacing_mut().slider_width = 140.0;
         let text = |x: f64, _: std::ops::RangeInclusive<usize>| crate::app::canvas::number(x as f32, 4);
         ui.add(egui::RangeSlider::new(&mut min, &mut max, low..=high).custom_formatter(text)).labelled_by(name.id);
-        // The slider rounds what it shows; only the pointer moves it by more than that. A handle at its end accepts
-        // everything beyond.
+        // The slider rounds what it shows; only the pointer moves it further. A handle at its end accepts all beyond.
         let step = 0.002 * (high - low);
         if (min - set.min).abs() > step || (max - set.max).abs() > step {
             let min = if min - low <= step { low } else { min };

@@ -61,8 +61,7 @@ pub fn welcome_ui(ui: &mut Ui, model: Read<'_>, remembered: &Settings, lessons: 
     chosen
 }
 
-/// Draws a hint while files are dragged over the window; `panes` are the places where dropped files open, each with its
-/// text.
+/// Draws a hint while files are dragged over the window; `panes` are the places where they open, each with its text.
 pub fn drop_hint_ui(ctx: &egui::Context, panes: &[(Rect, &str)]) {
     if ctx.input(|i| i.raw.hovered_files.is_empty()) {
         return;

@@ -53,8 +53,7 @@ pub fn instead_ui(ui: &mut Ui, text: impl Into<String>) {
     ui.centered_and_justified(|ui| ui.weak(text.into()));
 }
 
-/// Draws a bar of progress, `width` points wide or as there is room, with as much of `text` as it holds; its parts are
-/// two spaces apart.
+/// Draws a bar of progress, `width` points wide or as wide as there is room, with those parts of `text` that it holds.
 pub fn progress_ui(ui: &mut Ui, running: &Running, width: Option<f32>, text: &str) {
     let fraction = running.progress.map_or(0.0, |p| p.fraction);
     let width = width.unwrap_or_else(|| ui.available_size_before_wrap().x.max(96.0));
@@ -119,8 +118,7 @@ pub fn close_ui(ui: &mut Ui, text: &str) {
     }
 }
 
-/// Draws the last row of a dialog: a button called `verb`, which can be pressed if it `is_ready`, and one that closes it.
-/// Returns the response of the first.
+/// Draws a dialog's last row: a button `verb`, enabled if it `is_ready`, whose response is returned, and one to close.
 pub fn accept_ui(ui: &mut Ui, verb: &str, is_ready: bool) -> Response {
     let row = ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         let accept = ui.add_enabled(is_ready, Button::new(verb));
@@ -404,8 +402,7 @@ fn time_left_text(left: Duration) -> String {
     }
 }
 
-/// Lays out a text in one line of at most `width` points, without the middle of a longer one: names differ at their
-/// ends.
+/// Lays out a text in one line of at most `width` points, without its middle if it is longer: names differ at the ends.
 pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color32, width: f32) -> Arc<Galley> {
     let lay_out = |text: String| painter.layout_no_wrap(text, font.clone(), colour);
     let whole = lay_out(text.to_owned());

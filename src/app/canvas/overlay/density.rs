@@ -59,8 +59,7 @@ pub fn drawn(
     out
 }
 
-/// The lines that are drawn, inliers first: the first `most`, or else a few for each part of A's picture; and those that
-/// are `always`.
+/// Lines that are drawn, inliers first: `most`, or a few for each part of A's picture; and those that are `always`.
 pub fn drawn_lines(
     lines: &[MatchLine],
     pane_a: &Pane,

@@ -75,8 +75,7 @@ fn list_ui(ui: &mut Ui, answer: &Probed, listed: Range<usize>, queue: &mut Queue
     ui.spacing_mut().item_spacing.y = spacing;
 }
 
-/// Positions of the list's columns, as fractions of its width: distance, σ, slope and strength end there, the test
-/// begins there.
+/// Columns' positions as fractions of the width: distance, σ, slope and strength end there, the test begins there.
 const COLUMNS: [(f32, Align2); 5] = {
     let right = Align2::RIGHT_CENTER;
     [(0.10, right), (0.19, right), (0.515, right), (0.635, right), (0.655, Align2::LEFT_CENTER)]

@@ -1,5 +1,4 @@
-//! Response over slope and scale, with the gate and the candidates of the search, and beside it the bar of its colours.
-//! A click moves the cursor there.
+//! Response over slope and scale, with gate, candidates and a bar of its colours. A click moves the cursor there.
 
 use super::strength_text;
 use crate::app::canvas::overlay::rgb;

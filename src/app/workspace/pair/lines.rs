@@ -101,8 +101,7 @@ pub(in crate::app::workspace) fn painter_over(ui: &Ui, views: &MatchViews<'_>, c
     ui.painter_at(rects.fold(egui::Rect::NOTHING, egui::Rect::union))
 }
 
-/// `shifts` are positions from mid-burst. The line has the colour of its kind, or of the difference of the motions beside
-/// the `largest` one.
+/// `shifts` are positions from mid-burst. The colour is that of its kind, or of how far motions differ of `largest`.
 pub fn line_of(row: &MatchRow<'_>, shifts: [Offset<f32>; 2], largest: Option<f32>) -> MatchLine {
     let kind = MatchKind::of(row.inlier);
     let colour = largest.map_or(overlay::rgb(kind.color()), |largest| motion_colour(row.motion_apart() / largest));
