@@ -49,7 +49,7 @@ fn value_at(model: Read<'_>, widgets: &PaneWidgets, drawn: &Drawn, pos_image: Po
     Some(PlaceValue { id: drawn.pane, number: model.document.panes.number(drawn.pane)?, readout })
 }
 
-/// Draws the four arms of a cross, `first` and its turns, with a gap in its middle, so that the marked place can be seen.
+/// Draws the arms of a cross, `first` and its turns, with a gap in its middle, so that the marked place can be seen.
 /// Returns the place in the window, if it is in sight.
 fn cross(
     output: &CanvasOutput,
