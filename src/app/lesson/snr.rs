@@ -2,7 +2,8 @@
 
 use crate::app::document::{Action, Queue};
 use crate::app::pane::Content;
-use crate::app::panel::widgets::{CursorRow, still_plot};
+use crate::app::panel::cursor_row::CursorRow;
+use crate::app::panel::widgets::still_plot;
 use crate::app::parts;
 use crate::app::results::Read;
 use crate::detector::Slope;

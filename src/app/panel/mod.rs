@@ -3,6 +3,7 @@
 pub mod against;
 pub mod bottom;
 pub mod cursor;
+pub mod cursor_row;
 pub mod display;
 pub mod features;
 pub mod glossary;
