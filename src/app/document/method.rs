@@ -93,7 +93,6 @@ with_defaults! {
     pub struct CompareLook {
         pub methods: Vec<MethodId> = MethodId::ALL.to_vec(),
         /// Peak thresholds of the methods, from charts; each method has that of the search where there is none.
-        #[serde(skip_serializing_if = "Option::is_none")]
         pub same_false_rate: Option<SameFalseRate>,
     }
 }
