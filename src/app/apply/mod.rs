@@ -6,7 +6,6 @@ pub mod asking;
 pub mod bench;
 pub mod change;
 pub mod comparison;
-pub mod dataset_answers;
 pub mod datasets;
 pub mod detection;
 pub mod explained;
@@ -69,14 +68,14 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         }
         A::OpenTrajectory(which, path) => studies::open_trajectory(model, which, Some(path), engine),
         A::CloseTrajectory(which) => studies::open_trajectory(model, which, None, engine),
-        A::OpenBurstAt(place) => dataset_answers::open_burst_at(model, place, engine),
+        A::OpenBurstAt(place) => datasets::open_burst_at(model, place, engine),
         A::CutOpenBurst(length) => datasets::cut_open_burst(model, length, engine),
         A::Calibrate(options) => return vec![opening::calibrate(model, options, engine)],
         A::TakeLeftBehind(uses) => opening::take_left_behind(model, uses, engine),
         A::DetectAllAnyway => datasets::detect_all(model, engine),
         A::SetPoseStudy(study) => studies::set_pose_study(model, study, engine),
-        A::OpenCamera(label) => dataset_answers::look_at_camera(model, &label, None, engine),
-        A::OpenFeature(label, index) => dataset_answers::look_at_camera(model, &label, Some(index), engine),
+        A::OpenCamera(label) => datasets::look_at_camera(model, &label, None, engine),
+        A::OpenFeature(label, index) => datasets::look_at_camera(model, &label, Some(index), engine),
         A::Note(text) => model.shell.messages.note(text),
         A::DismissMessage(id) => model.shell.messages.dismiss(id),
         A::ColourBy(by) => {
