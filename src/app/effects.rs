@@ -23,7 +23,7 @@ impl BurstscopeApp {
     pub(super) fn act(&mut self, ctx: &egui::Context, queue: Queue) {
         let pointed = self.model.results.pointed();
         let mut is_changed = false;
-        for action in queue {
+        for action in queue.0 {
             is_changed |= !matches!(action, Action::Point(_));
             self.run(ctx, action);
             methods::refresh_workspace(&mut self.model);
@@ -74,8 +74,8 @@ impl BurstscopeApp {
             Action::Open(Side::A, source) => match of_case(&source) {
                 Some(OfCase::Session(session)) => self.restore(session),
                 Some(OfCase::Search(actions, why)) => {
-                    why.into_iter()
-                        .for_each(|why| self.model.shell.messages.error(Purpose::RestoreSession.title(), why));
+                    let messages = &mut self.model.shell.messages;
+                    why.into_iter().for_each(|why| messages.error(Purpose::RestoreSession.title(), why));
                     // Settings made after the request belong to the new burst.
                     self.stage([Action::Open(Side::A, source)].into_iter().chain(actions));
                 }
@@ -209,7 +209,7 @@ impl BurstscopeApp {
             Purpose::OpenTimes => overlays.calibration_draft(now).times = file.map(TimesChoice::List),
             Purpose::OpenRotations => overlays.calibration_draft(now).rotations = file,
             Purpose::OpenLens => overlays.calibration_draft(now).lens = file,
-            Purpose::OpenLessons => model.shell.messages.settle(purpose.title(), self.lessons.open_at(first)),
+            Purpose::OpenLessons => _ = model.shell.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => studies::make_figures(model, first.clone(), engine),
             #[cfg(feature = "colmap")]
             Purpose::ExportDatabase => crate::app::apply::datasets::export_database(model, first.clone(), engine),

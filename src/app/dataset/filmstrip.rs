@@ -145,7 +145,7 @@ fn summary(dataset: &Dataset) -> String {
 
 pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
     let Some(work) = datasets.work else { return };
-    let running = datasets.wanted.running();
+    let running = datasets.wanted.running;
     let fraction = running.and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
     let text = running.as_ref().map_or_else(|| work.title().to_owned(), progress_text);
     let bar = ui.add(ProgressBar::new(fraction).desired_width(280.0).text(text));

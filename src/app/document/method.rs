@@ -45,10 +45,6 @@ impl MethodId {
         self.words()[0]
     }
 
-    pub fn help(self) -> &'static str {
-        self.words()[1]
-    }
-
     /// Everything but the method and, for BuFF, the shape of the grid of slopes stays.
     pub fn params(self, edited: &DetectorParams) -> DetectorParams {
         let (slopes_1d, slopes_2d) = (line_of(edited.slopes), plane_of(edited.slopes));

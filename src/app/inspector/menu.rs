@@ -94,7 +94,7 @@ fn content_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
         let mut chosen = before;
         ui.menu_button(format!("Method: {}", chosen.label()), |ui| {
             for one in methods {
-                ui.radio_value(&mut chosen, one, one.label()).on_hover_text(one.help());
+                ui.radio_value(&mut chosen, one, one.label()).on_hover_text(one.words()[1]);
             }
         });
         queue.set(&before, chosen, |method| Action::SetMethod(id, method));
@@ -187,7 +187,7 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: Read<'_>, widgets: &mut Pane
             }
             if let Some(readout) = &place.readout {
                 let value = format!("Copy value {}", number(readout.value, 4));
-                copy_ui(ui, &value, || clipboard::value_text(readout));
+                copy_ui(ui, &value, || readout.value.to_string());
                 let at = format!("Copy place ({})", clipboard::place_text(readout));
                 copy_ui(ui, &at, || clipboard::place_text(readout));
             }

@@ -65,7 +65,7 @@ fn two_ui(ui: &mut Ui, model: Read<'_>, over: Over, queue: &mut Queue) {
             let list = egui::ComboBox::from_id_salt(("method", name)).selected_text(chosen.label());
             let list = list.width(ui.available_width() - 8.0).show_ui(ui, |ui| {
                 for method in &methods_shown {
-                    ui.selectable_value(&mut chosen, *method, method.label()).on_hover_text(method.help());
+                    ui.selectable_value(&mut chosen, *method, method.label()).on_hover_text(method.words()[1]);
                 }
             });
             list.response.labelled_by(label.id);
@@ -118,7 +118,7 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                         row.col(|ui| {
                             let usable = model.method_burst(method, Side::A).is_some();
                             let mut on = model.document.methods.shows(method);
-                            let tip = if usable { method.help() } else { "Open a sharp image of A's view first" };
+                            let tip = if usable { method.words()[1] } else { "Open a sharp image of A's view first" };
                             let boxed = egui::Checkbox::new(&mut on, method.label());
                             ui.spacing_mut().interact_size.y = ROW_HEIGHT;
                             let response = ui.add_enabled(usable, boxed);
@@ -149,7 +149,7 @@ fn cells(model: Read<'_>, method: MethodId) -> Vec<String> {
         snrs.sort_by(f32::total_cmp);
         snrs.get(snrs.len() / 2).map(|median| format!("{median:.1}"))
     });
-    let of_pair = PAIR_NUMBERS.map(|(.., of)| counts.and_then(|counts| of(&counts)));
+    let of_pair = PAIR_NUMBERS.map(|(.., of)| counts.map(|counts| of.text(&counts)));
     let time = found(Side::A).map(|f| match in_time(f.elapsed) {
         time if time.is_empty() => "kept".to_owned(),
         time => time.trim_start_matches(" in ").to_owned(),

@@ -122,10 +122,8 @@ fn busy_ui(ui: &mut Ui, model: Read<'_>) {
     let waits = model.document.probe.question.is_some()
         && model.results.probed.answer.is_none()
         && model.results.probed.problem.is_none();
-    match (
-        model.results.probed.wanted_trail.running(),
-        model.results.slots[model.document.probe.side].detecting.running(),
-    ) {
+    match (model.results.probed.wanted_trail.running, model.results.slots[model.document.probe.side].detecting.running)
+    {
         (Some(running), _) | (None, Some(running)) if model.document.probe.is_on() => {
             let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
             progress_ui(ui, &running, None, &format!("Searching  {percent:.0} %"));

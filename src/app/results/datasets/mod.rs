@@ -62,7 +62,7 @@ impl Datasets {
     /// Finished share of the burst in work, 0 to 1, computed from the progress over all bursts.
     pub fn burst_fraction(&self) -> f32 {
         let bursts = self.open.as_ref().map_or(1, |d| d.bursts.len()) as f32;
-        let whole = self.wanted.running().and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
+        let whole = self.wanted.running.and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
         // At the end of the last burst the share is almost 1, not 0.
         (bursts * whole).min(bursts - 1e-3).fract()
     }
