@@ -95,7 +95,8 @@ impl BurstscopeApp {
     }
 
     fn restore(&mut self, session: Box<Session>) {
-        let opening = self.model.results.slots.a.open(session.opening(), None, &self.engine);
+        let request = OpenRequest { source: session.burst.clone(), options: session.document.calibration.clone() };
+        let opening = self.model.results.slots.a.open(request, None, &self.engine);
         self.restoring.wait(Side::A, Some(opening), session);
     }
 
@@ -173,7 +174,7 @@ impl BurstscopeApp {
             Effect::RecentDataset(source) => self.settings.remember_dataset(&source),
             Effect::Choose(side, bursts) => (self.overlays.choice, self.overlays.choice_side) = (bursts, side),
             Effect::AskShape(side, source, shapes) => self.overlays.shape.ask(side, source, shapes),
-            Effect::Cut { paths, frames } => {
+            Effect::Cut(paths, frames) => {
                 self.overlays.cut = Some(CutDialog::new(paths, frames, self.settings.burst_length));
             }
             Effect::ReplaceFeatures => self.overlays.replace_features = true,

@@ -2,6 +2,7 @@
 //! Pixels are read and features detected again, bit by bit.
 
 use crate::app::actions::ActionId;
+use crate::app::document::look::SMOOTHING_PX;
 use crate::app::document::{
     Action, Comparison, Document, Probe, Reference, Reselect, SavedMatch, SavedSelection, Side, Sides, Staged, Steps,
 };
@@ -12,7 +13,7 @@ use crate::detector::{SearchParams, Slopes};
 use crate::export::case::{is_case, read_about, read_session};
 use crate::matching::MatchParams;
 use crate::matching::params::doc;
-use crate::requests::{BurstSource, JobId, OpenRequest};
+use crate::requests::{BurstSource, JobId};
 use crate::teach::Workspace;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -103,8 +104,8 @@ impl Session {
             ));
         }
         let (mut session, unknown): (Self, _) = match text.parse().ok().and_then(brought_up_to_date) {
-            Some(table) => read_noting_unknown_keys(table),
-            None => toml::Deserializer::parse(text).and_then(read_noting_unknown_keys),
+            Some(table) => noting_unknown_keys(table),
+            None => toml::Deserializer::parse(text).and_then(noting_unknown_keys),
         }
         .map_err(|error| format!("this is not a session file: {error}"))?;
         if !unknown.is_empty() {
@@ -138,7 +139,7 @@ impl Session {
         named("document.comparisons.a.pinned", of_a)?;
         named("document.comparisons.b.pinned", of_b)?;
         named("document.matching", doc::ALL.iter().try_for_each(|record| record.check(&document.matching)))?;
-        named("document.look", document.look.check())?;
+        named("document.look", SMOOTHING_PX.check("smoothing_px", document.look.smoothing_px.into()))?;
         // A set-up that is not read may have any values.
         let set_up = document.set_up;
         named("document.set_up", if set_up.reads_depths { set_up.values.check() } else { Ok(()) })?;
@@ -192,10 +193,6 @@ impl Session {
             (_, shown) if shown.side == side => Probe::default(),
             (_, shown) => shown,
         }
-    }
-
-    pub fn opening(&self) -> OpenRequest {
-        OpenRequest { source: self.burst.clone(), options: self.document.calibration.clone() }
     }
 
     /// Actions that follow once the burst of `side` `is_open`, or could not be opened: the one on show stays then.
@@ -259,9 +256,7 @@ fn sound(project: Read<'_>) -> Document {
 }
 
 /// Unknown keys are paths: `pair.links.vews`. Types that deny unknown keys themselves fail at once.
-fn read_noting_unknown_keys<'de, T: DeserializeOwned, D: Deserializer<'de>>(
-    text: D,
-) -> Result<(T, Vec<String>), D::Error> {
+fn noting_unknown_keys<'de, T: DeserializeOwned, D: Deserializer<'de>>(text: D) -> Result<(T, Vec<String>), D::Error> {
     let mut unknown = Vec::new();
     let value = serde_ignored::deserialize(text, |path| unknown.push(path.to_string()))?;
     Ok((value, unknown))

@@ -55,7 +55,7 @@ pub(in crate::app) fn close_dataset(model: &mut Model) -> Effect {
 }
 
 pub(in crate::app) fn cut_open_burst(model: &mut Model, length: usize, engine: &Engine) {
-    if let Some(Effect::Cut { paths, .. }) = Read::of(model).cut_of_open_burst() {
+    if let Some(Effect::Cut(paths, _)) = Read::of(model).cut_of_open_burst() {
         let source = DatasetSource { paths, burst_length: Some(length), burst_step: None };
         look_at_dataset(model, source, None, model.document.calibration.clone(), engine);
     }
@@ -128,7 +128,7 @@ pub(in crate::app) fn show_selected_pair(model: &mut Model, engine: &Engine) {
     let (Some(dataset), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else { return };
     let Sides { a: Some(a), b: Some(b) } = set.pair else { return };
     let chosen = [(Side::A, a), (Side::B, b)].map(|(side, place)| {
-        let is_open = dataset.place_of(Read::of(model).burst_of(side)) == Some(place);
+        let is_open = Read::of(model).place_of(side) == Some(place);
         (side, is_open, dataset.source_at(place))
     });
     for (side, is_open, source) in chosen {
@@ -142,14 +142,13 @@ pub(in crate::app) fn show_selected_pair(model: &mut Model, engine: &Engine) {
 pub(in crate::app) fn step_burst(model: &mut Model, by: isize, engine: &Engine) {
     let Some(dataset) = &model.results.datasets.open else { return };
     let last = dataset.bursts.len() - 1;
-    let here = dataset.place_of(model.results.slots.a.burst.as_ref());
+    let here = Read::of(model).place_of(Side::A);
     open_burst_at(model, here.map_or(0, |place| place.saturating_add_signed(by).min(last)), engine);
 }
 
 pub(in crate::app) fn open_burst_at(model: &mut Model, place: usize, engine: &Engine) {
-    let dataset = model.results.datasets.open.as_ref();
-    let here = dataset.and_then(|d| d.place_of(model.results.slots.a.burst.as_ref())) == Some(place);
-    if let Some(source) = dataset.and_then(|d| d.source_at(place)).filter(|_| !here) {
+    let source = model.results.datasets.open.as_ref().and_then(|dataset| dataset.source_at(place));
+    if let Some(source) = source.filter(|_| Read::of(model).place_of(Side::A) != Some(place)) {
         opening::open(model, Side::A, source, engine);
     }
 }
@@ -159,7 +158,7 @@ pub(in crate::app) fn look_at_camera(model: &mut Model, label: &str, feature: Op
     let dataset = model.results.datasets.open.as_ref();
     match dataset.map(|d| (d.place_of_camera(label), d.source.label())) {
         Some((Some(place), _)) => {
-            let is_open = dataset.and_then(|d| d.place_of(model.results.slots.a.burst.as_ref())) == Some(place);
+            let is_open = Read::of(model).place_of(Side::A) == Some(place);
             if let Some(saved) = feature.map(SavedSelection::of_index) {
                 model.document.selected = Read::of(model).find_again(&saved).filter(|_| is_open);
                 model.results.reselect = Some(saved).filter(|_| model.document.selected.is_none());
@@ -175,24 +174,19 @@ pub(in crate::app) fn look_at_camera(model: &mut Model, label: &str, feature: Op
 }
 
 pub(in crate::app) fn choose_open_burst(model: &mut Model, side: Side) {
-    let place =
-        model.results.datasets.open.as_ref().and_then(|dataset| dataset.place_of(model.results.slots.a.burst.as_ref()));
+    let place = Read::of(model).place_of(Side::A);
     if let (Some(set), Some(place)) = (&mut model.document.dataset, place) {
         set.choose(side, place);
     }
 }
 
-pub(in crate::app) fn take_dataset_event(model: &mut Model, event: &DatasetEvent) {
+pub(super) fn take_dataset_event(model: &mut Model, event: &DatasetEvent) {
     model.results.datasets.open.iter_mut().for_each(|dataset| dataset.take_event(event));
     // Counts that were said before are old.
     model.shell.messages.forget_note();
 }
 
-pub(in crate::app) fn take_dataset_answer(
-    model: &mut Model,
-    answer: Ended<DatasetRequest>,
-    engine: &Engine,
-) -> Vec<Effect> {
+pub(super) fn take_dataset_answer(model: &mut Model, answer: Ended<DatasetRequest>, engine: &Engine) -> Vec<Effect> {
     let work = model.results.datasets.work.take();
     if let Some(dataset) = &mut model.results.datasets.open {
         dataset.stop();
@@ -230,7 +224,7 @@ fn take_dataset(model: &mut Model, open: OpenDataset, engine: &Engine) -> Vec<Ef
     match open.frames_of_one {
         // A lone burst of many files is a sequence that is yet to be cut.
         Some(frames) if frames > 1 && open.source.burst_length.is_none() => {
-            return vec![Effect::Cut { paths: open.source.paths, frames }];
+            return vec![Effect::Cut(open.source.paths, frames)];
         }
         Some(1) if open.source.burst_length.is_none() => {
             opening::open(model, Side::A, BurstSource::Paths(open.source.paths), engine);
@@ -261,11 +255,10 @@ fn take_dataset(model: &mut Model, open: OpenDataset, engine: &Engine) -> Vec<Ef
         counted(count, "burst")
     ));
     let recent = Effect::RecentDataset(dataset.source.clone());
-    let shown = dataset.place_of(model.results.slots.a.burst.as_ref());
     (model.results.datasets.open, model.results.datasets.exported) = (Some(dataset), None);
     model.document.panels.filmstrip = true;
     // A session opens its own burst.
-    if shown.is_none() && !is_set {
+    if Read::of(model).place_of(Side::A).is_none() && !is_set {
         open_burst_at(model, 0, engine);
     }
     vec![recent, Effect::ForgetThumbnails]

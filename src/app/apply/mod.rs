@@ -33,8 +33,7 @@ pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> 
     match action {
         Action::Point(pointed) => point_at(model, pointed),
         Action::Stage(staged) => return staged::take_staged(model, staged, engine).into_iter().collect(),
-        Action::Do(ActionId::Undo) => staged::undo(model, engine),
-        Action::Do(ActionId::Redo) => staged::redo(model, engine),
+        Action::Do(id @ (ActionId::Undo | ActionId::Redo)) => staged::take_step(model, id == ActionId::Undo, engine),
         action => {
             let before = model.document.clone();
             let effects = applied(action, model, engine);

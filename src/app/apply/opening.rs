@@ -62,7 +62,7 @@ fn take_opened(
     options: OpenOptions,
     engine: &Engine,
 ) -> Option<Effect> {
-    let dataset = model.results.datasets.open.as_ref().filter(|dataset| dataset.place_of(Some(&burst)).is_some());
+    let dataset = model.results.datasets.open.as_ref().filter(|dataset| dataset.place_of(&burst.source).is_some());
     let recent = match dataset {
         Some(dataset) => {
             dataset.name_as_here(&mut burst);
@@ -148,7 +148,7 @@ pub(in crate::app) fn open(model: &mut Model, side: Side, source: BurstSource, e
     let options = pending.map_or_else(|| read.calibration_of(side).clone(), |request| request.options.clone());
     let before = read.settings_are_of(side).filter(|before| !is_open && !read.are_one(before, &source));
     let own = before.map(|before| read.own(before, side));
-    let options = match model.results.datasets.open.as_ref().filter(|dataset| dataset.has(&source)) {
+    let options = match model.results.datasets.open.as_ref().filter(|dataset| dataset.place_of(&source).is_some()) {
         Some(dataset) => dataset.open.clone(),
         None if own.is_some() => options.with_burst_of(&OpenOptions::default()),
         None => options,

@@ -5,7 +5,6 @@
 use crate::app::defaults::with_defaults;
 use crate::app::words::choices;
 use crate::detector::params::Bounds;
-use crate::error::Error;
 use crate::plane::display::{ColourMap, Display};
 use crate::requests::PictureAnswer;
 pub use crate::requests::RangeClass;
@@ -143,12 +142,5 @@ with_defaults! {
         pub legend: bool = true,
         /// σ of the Gaussian by which pictures are smoothed for looking at them, input pixels; 0 for none.
         pub smoothing_px: f32,
-    }
-}
-
-impl Look {
-    /// Checks the numbers that decide how long a picture takes. Others are brought into their ranges.
-    pub fn check(&self) -> Result<(), Error> {
-        SMOOTHING_PX.check("smoothing_px", f64::from(self.smoothing_px))
     }
 }
