@@ -124,7 +124,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
 }
 
 fn do_row(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
-    let focus = model.document.focus();
+    let (focus, mut cursor) = (model.document.focus(), *model.document.cursor());
     match id.action().does {
         Some(Does::Ask(purpose)) => return Some(Effect::Ask(purpose)),
         Some(Does::Open(source)) => _ = opening::open(model, Side::A, source(), engine),
@@ -132,16 +132,14 @@ fn do_row(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
         Some(Does::Workspace(workspace)) => model.document.open_workspace(workspace),
         Some(Does::Switch { turn: set, .. } | Does::Set(set)) => set(&mut model.document),
         Some(Does::Slope(of)) => {
-            let slope = of(&Read::of(model).cursor_params().slopes, model.document.cursor().slope);
+            let slope = of(&Read::of(model).cursor_params().slopes, cursor.slope);
             model.document.paused().show_slope(focus, slope);
         }
         Some(Does::Frame(go)) => {
-            let mut cursor = *model.document.cursor();
             go(&mut cursor);
             model.document.paused().show_frame(focus, cursor.frame);
         }
         Some(Does::Scale(go)) => {
-            let mut cursor = *model.document.cursor();
             go(&mut cursor);
             model.document.paused().show_scale(focus, cursor.octave, cursor.level);
         }

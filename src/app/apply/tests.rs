@@ -1,10 +1,9 @@
 //! Laws of actions: any list of them leaves a valid document, which is the same after it was written and read, and
 //! undo and redo return to what was.
 
-use super::apply;
 use crate::app::actions::registry::{ACTIONS, ActionId, Menu};
 use crate::app::apply::bench::{Bench, open};
-use crate::app::apply::{methods, opening, pair, params, staged};
+use crate::app::apply::{apply, methods, opening, pair, params, staged};
 use crate::app::document::journal::read_steps;
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, Destination, Document, Journal, Pointed, Side};
