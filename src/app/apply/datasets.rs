@@ -1,10 +1,9 @@
-//! The open dataset: the work on it that is asked for (opening, finding features, matching, writing it for COLMAP), the
+//! The open dataset: the work on it that is asked for (finding features, matching, writing it for COLMAP), the
 //! bursts of it that are gone to, and what the answers about it change.
 
 use crate::app::apply::opening;
 use crate::app::document::{DatasetChoice, SavedSelection, Side, Sides};
 use crate::app::results::{Dataset, Effect, Model, Read, Work};
-use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 #[cfg(feature = "colmap")]
 use crate::dataset::{BurstCameras, CameraChoice, ColmapJob, FeatureJob, ImageKind};
@@ -16,36 +15,16 @@ use crate::requests::{BurstSource, DatasetAnswer, DatasetEvent, DatasetRequest, 
 use crate::teach::Workspace;
 use std::path::PathBuf;
 
-/// Opens a dataset in the background; the open one stays until then. Without a folder the features are kept beside
-/// the bursts. A single long sequence is first offered for cutting.
-pub(in crate::app) fn look_at_dataset(
-    model: &mut Model,
-    source: DatasetSource,
-    folder: Option<PathBuf>,
-    open: OpenOptions,
-    engine: &Engine,
-) {
-    let params = Read::of(model).asked();
-    model.results.datasets.begin(Work::Opening, DatasetRequest::Open { source, folder, params, open }, engine);
-}
-
-pub(in crate::app) fn look_at_dataset_again(model: &mut Model, engine: &Engine) {
-    if let Some(dataset) = &model.results.datasets.open {
-        let options = model.document.calibration.clone();
-        look_at_dataset(model, dataset.source.clone(), dataset.folder.clone(), options, engine);
-    }
-}
-
 pub(in crate::app) fn use_feature_folder(model: &mut Model, folder: PathBuf, engine: &Engine) {
     if let Some(dataset) = &model.results.datasets.open {
-        look_at_dataset(model, dataset.source.clone(), Some(folder), dataset.open.clone(), engine);
+        opening::look_at_dataset(model, dataset.source.clone(), Some(folder), dataset.open.clone(), engine);
     }
 }
 
 pub(in crate::app) fn use_folder_params(model: &mut Model, engine: &Engine) {
     if let Some(params) = model.results.datasets.open.as_ref().and_then(|dataset| dataset.other_params.clone()) {
         model.document.params = params;
-        look_at_dataset_again(model, engine);
+        opening::look_at_dataset_again(model, engine);
     }
 }
 
@@ -57,7 +36,7 @@ pub(in crate::app) fn close_dataset(model: &mut Model) -> Effect {
 pub(in crate::app) fn cut_open_burst(model: &mut Model, length: usize, engine: &Engine) {
     if let Some(Effect::Cut(paths, _)) = Read::of(model).cut_of_open_burst() {
         let source = DatasetSource { paths, burst_length: Some(length), burst_step: None };
-        look_at_dataset(model, source, None, model.document.calibration.clone(), engine);
+        opening::look_at_dataset(model, source, None, model.document.calibration.clone(), engine);
     }
 }
 
@@ -214,7 +193,7 @@ pub(super) fn take_dataset_answer(model: &mut Model, answer: Ended<DatasetReques
     }
     // The states told of the folder that was written; those of the dataset's own are looked at again.
     if work == Some(Work::Exporting) {
-        look_at_dataset_again(model, engine);
+        opening::look_at_dataset_again(model, engine);
     }
     effects
 }

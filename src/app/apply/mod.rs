@@ -57,7 +57,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
             if Read::of(model).settings_are_of(Side::A).is_some() {
                 options = options.with_burst_of(&OpenOptions::default());
             }
-            datasets::look_at_dataset(model, source, None, options, engine);
+            opening::look_at_dataset(model, source, None, options, engine);
         }
         A::UseFeatureFolder(folder) => datasets::use_feature_folder(model, folder, engine),
         A::OpenGold(side, source) => methods::open_gold(model, side, source, engine),

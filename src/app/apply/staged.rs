@@ -116,7 +116,7 @@ fn read_named(model: &mut Model, engine: &Engine) -> Option<Effect> {
     studies::read_trajectories(model, engine);
     match model.document.dataset.clone() {
         Some(DatasetChoice { source, folder, .. }) => {
-            datasets::look_at_dataset(model, source, folder, model.document.calibration.clone(), engine);
+            opening::look_at_dataset(model, source, folder, model.document.calibration.clone(), engine);
             None
         }
         None => Some(datasets::close_dataset(model)),
