@@ -24,10 +24,6 @@ pub fn match_text(row: &MatchRow<'_>) -> String {
     format!("{headings}\n{values}")
 }
 
-pub fn value_text(readout: &Readout) -> String {
-    readout.value.to_string()
-}
-
 pub fn place_text(readout: &Readout) -> String {
     format!("{}, {}", fixed(readout.u, 2), fixed(readout.v, 2)).replace('−', "-")
 }
@@ -49,7 +45,7 @@ pub fn is_asked(ctx: &egui::Context) -> bool {
 /// Returns the note about what was copied.
 pub fn copy_row(ctx: &egui::Context, model: Read<'_>, widgets: &PaneWidgets) -> Option<String> {
     let readouts = model.document.panes.shown().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
-    let value = readouts.into_iter().next().map(|readout| value_text(&readout));
+    let value = readouts.into_iter().next().map(|readout| readout.value.to_string());
     let text = selected_text(model).or(value)?;
     let what = text.lines().last().unwrap_or_default().replace('\t', "  ");
     ctx.copy_text(text);

@@ -23,7 +23,7 @@ impl BurstscopeApp {
     pub(super) fn act(&mut self, ctx: &egui::Context, queue: Queue) {
         let pointed = self.model.results.pointed();
         let mut is_changed = false;
-        for action in queue {
+        for action in queue.0 {
             is_changed |= !matches!(action, Action::Point(_));
             self.run(ctx, action);
             methods::refresh_workspace(&mut self.model);
@@ -74,8 +74,8 @@ impl BurstscopeApp {
             Action::Open(Side::A, source) => match of_case(&source) {
                 Some(OfCase::Session(session)) => self.restore(session),
                 Some(OfCase::Search(actions, why)) => {
-                    why.into_iter()
-                        .for_each(|why| self.model.shell.messages.error(Purpose::RestoreSession.title(), why));
+                    let messages = &mut self.model.shell.messages;
+                    why.into_iter().for_each(|why| messages.error(Purpose::RestoreSession.title(), why));
                     // Settings made after the request belong to the new burst.
                     self.stage([Action::Open(Side::A, source)].into_iter().chain(actions));
                 }
@@ -95,7 +95,8 @@ impl BurstscopeApp {
     }
 
     fn restore(&mut self, session: Box<Session>) {
-        let opening = self.model.results.slots.a.open(session.opening(), None, &self.engine);
+        let request = OpenRequest { source: session.burst.clone(), options: session.document.calibration.clone() };
+        let opening = self.model.results.slots.a.open(request, None, &self.engine);
         self.restoring.wait(Side::A, Some(opening), session);
     }
 
@@ -173,7 +174,7 @@ impl BurstscopeApp {
             Effect::RecentDataset(source) => self.settings.remember_dataset(&source),
             Effect::Choose(side, bursts) => (self.overlays.choice, self.overlays.choice_side) = (bursts, side),
             Effect::AskShape(side, source, shapes) => self.overlays.shape.ask(side, source, shapes),
-            Effect::Cut { paths, frames } => {
+            Effect::Cut(paths, frames) => {
                 self.overlays.cut = Some(CutDialog::new(paths, frames, self.settings.burst_length));
             }
             Effect::ReplaceFeatures => self.overlays.replace_features = true,
@@ -209,7 +210,7 @@ impl BurstscopeApp {
             Purpose::OpenTimes => overlays.calibration_draft(now).times = file.map(TimesChoice::List),
             Purpose::OpenRotations => overlays.calibration_draft(now).rotations = file,
             Purpose::OpenLens => overlays.calibration_draft(now).lens = file,
-            Purpose::OpenLessons => model.shell.messages.settle(purpose.title(), self.lessons.open_at(first)),
+            Purpose::OpenLessons => _ = model.shell.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => studies::make_figures(model, first.clone(), engine),
             #[cfg(feature = "colmap")]
             Purpose::ExportDatabase => crate::app::apply::datasets::export_database(model, first.clone(), engine),

@@ -65,11 +65,8 @@ fn suggested_name(purpose: Purpose, model: Read<'_>) -> String {
         Purpose::Export(kind) => {
             let (content, of_cursor) = (model.document.focused().content, model.document.cursor().kind);
             let what = kind.content().unwrap_or_else(|| content.key(of_cursor));
-            let extension = if kind == ExportKind::Figure {
-                model.document.figure.format.extension()
-            } else {
-                kind.extensions()[0]
-            };
+            let of_figure = (kind == ExportKind::Figure).then(|| model.document.figure.format.extension());
+            let extension = of_figure.unwrap_or(kind.extensions()[0]);
             format!("{stem}-{what}.{extension}")
         }
         _ => String::new(),
@@ -126,11 +123,12 @@ pub(super) fn action_of(purpose: Purpose, paths: Vec<PathBuf>, messages: &mut Me
         Purpose::OpenGold(side) => Action::OpenGold(side, BurstSource::Paths(paths)),
         Purpose::OpenFeatures(side) => Action::OpenFeatures(side, first),
         Purpose::RestoreSession => {
-            let session = read_from(&first, MAX_SESSION_BYTES, purpose, Session::from_toml, messages)?;
-            Action::Restore(Box::new(session))
+            let session = read_from(&first, MAX_SESSION_BYTES, Session::from_toml);
+            Action::Restore(Box::new(messages.settle(purpose.title(), session)?))
         }
         Purpose::LoadParams => {
-            let params = read_from(&first, MAX_SETTINGS_BYTES, purpose, SearchParams::from_toml, messages)?;
+            let params = read_from(&first, MAX_SETTINGS_BYTES, SearchParams::from_toml);
+            let params = messages.settle(purpose.title(), params)?;
             messages.note(format!("Loaded parameters from {}", first.display()));
             Action::SetSearch(Box::new(params))
         }
@@ -138,24 +136,10 @@ pub(super) fn action_of(purpose: Purpose, paths: Vec<PathBuf>, messages: &mut Me
     })
 }
 
-fn read_from<T>(
-    path: &Path,
-    max_bytes: u64,
-    purpose: Purpose,
-    read: fn(&str) -> Result<T, String>,
-    messages: &mut Messages,
-) -> Option<T> {
+fn read_from<T>(path: &Path, max_bytes: u64, read: fn(&str) -> Result<T, String>) -> Result<T, String> {
     let text = read_text(path, max_bytes).map_err(|error| error.to_string());
-    match text.and_then(|text| read(&text).map_err(|error| explained(&text, &error))) {
-        Ok(value) => {
-            messages.resolved(purpose.title());
-            Some(value)
-        }
-        Err(error) => {
-            messages.error(purpose.title(), format!("{error}: {}", path.display()));
-            None
-        }
-    }
+    let value = text.and_then(|text| read(&text).map_err(|error| explained(&text, &error)));
+    value.map_err(|error| format!("{error}: {}", path.display()))
 }
 
 /// Rules for overwriting after the user agreed: any file but those that are open.
@@ -179,13 +163,7 @@ pub(super) fn write(
     engine: &Engine,
 ) -> Result<(), String> {
     let rules = may_replace(&path, model);
-    let prepared = match lesson {
-        Some(lesson) if purpose == Purpose::Export(ExportKind::Sheet) => {
-            let text = sheet(lesson);
-            Ok(work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes()))))
-        }
-        _ => prepare(purpose, model, widgets),
-    };
+    let prepared = prepare(purpose, lesson, model, widgets);
     let work = rules.check(&path).map_err(|e| e.to_string()).and(prepared)?;
     engine.task(purpose.title(), move || {
         // The task may have waited, and files changed meanwhile.
@@ -198,7 +176,7 @@ pub(super) fn write(
 
 type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 
-fn prepare(purpose: Purpose, model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> {
+fn prepare(purpose: Purpose, lesson: Option<&Lesson>, model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> {
     match purpose {
         Purpose::SaveParams => Ok(settings_work(model.asked().to_toml())),
         Purpose::SaveSession => {
@@ -211,7 +189,10 @@ fn prepare(purpose: Purpose, model: Read<'_>, widgets: &PaneWidgets) -> Result<W
         Purpose::Export(ExportKind::Matches) => matches_work(model),
         Purpose::Export(ExportKind::Methods) => Ok(values_work(methods_table(model))),
         Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
-        Purpose::Export(ExportKind::Sheet) => Err("no lesson is open; open one first".to_owned()),
+        Purpose::Export(ExportKind::Sheet) => {
+            let text = sheet(lesson.ok_or("no lesson is open; open one first")?);
+            Ok(work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes()))))
+        }
         Purpose::Export(ExportKind::CurvesCsv | ExportKind::CurvesSvg) => {
             Ok(values_work(curves_figure(&shown_plots(model))))
         }
@@ -366,7 +347,7 @@ mod tests {
     };
 
     fn prepared(purpose: Purpose, model: Read<'_>) -> Result<Work, String> {
-        prepare(purpose, model, &PaneWidgets::default())
+        prepare(purpose, None, model, &PaneWidgets::default())
     }
 
     #[test]

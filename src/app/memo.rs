@@ -7,7 +7,7 @@ use std::hash::Hash;
 use std::sync::Arc;
 
 /// The last value, with its key.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Memo<K, V>(Option<(K, V)>);
 
 impl<K, V> Default for Memo<K, V> {

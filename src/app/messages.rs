@@ -12,9 +12,10 @@ pub struct Message {
 
 #[derive(Debug, Clone, Default)]
 pub struct Messages {
-    errors: Vec<Message>,
-    note: Option<String>,
-    unanswered: Option<(Purpose, String)>,
+    pub errors: Vec<Message>,
+    pub note: Option<String>,
+    /// Question that the system's dialog left open, and the name it suggested; its path can be typed instead.
+    pub unanswered: Option<(Purpose, String)>,
     newest: u64,
 }
 
@@ -44,20 +45,8 @@ impl Messages {
         self.unanswered = Some((purpose, suggested_name));
     }
 
-    pub fn unanswered(&self) -> Option<&(Purpose, String)> {
-        self.unanswered.as_ref()
-    }
-
     pub fn forget_note(&mut self) {
         (self.note, self.unanswered) = (None, None);
-    }
-
-    pub fn errors(&self) -> &[Message] {
-        &self.errors
-    }
-
-    pub fn last_note(&self) -> Option<&str> {
-        self.note.as_deref()
     }
 
     pub fn dismiss(&mut self, id: u64) {
@@ -86,11 +75,12 @@ impl Messages {
     }
 
     /// Says why something failed, or forgets that it did before.
-    pub fn settle(&mut self, title: &'static str, outcome: Result<(), String>) {
-        match outcome {
-            Ok(()) => self.resolved(title),
+    pub fn settle<T>(&mut self, title: &str, outcome: Result<T, String>) -> Option<T> {
+        match &outcome {
+            Ok(_) => self.resolved(title),
             Err(why) => self.error(title, why),
         }
+        outcome.ok()
     }
 }
 
@@ -104,14 +94,14 @@ mod tests {
         messages.error("Open", "a.png: empty");
         messages.error("Open", "a.png: empty");
         messages.error("Detect", "no");
-        assert_eq!(messages.errors().len(), 2);
-        messages.dismiss(messages.errors()[0].id);
-        assert_eq!(messages.errors()[0].title, "Detect");
+        assert_eq!(messages.errors.len(), 2);
+        messages.dismiss(messages.errors[0].id);
+        assert_eq!(messages.errors[0].title, "Detect");
         for i in 0..10 {
             messages.error("Many", i.to_string());
         }
-        assert_eq!(messages.errors().len(), MAX_ERRORS);
+        assert_eq!(messages.errors.len(), MAX_ERRORS);
         messages.resolved("Many");
-        assert!(messages.errors().is_empty());
+        assert!(messages.errors.is_empty());
     }
 }

@@ -87,12 +87,12 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
                 document.selected_match = document.selected_match.or(results.pair.listed.first().copied());
                 document.selected = document.selected.or(results.listed.first().copied());
             }
-            problem = app.model.shell.messages.errors().first().map(|m| m.text.clone()).or_else(|| {
+            problem = app.model.shell.messages.errors.first().map(|m| m.text.clone()).or_else(|| {
                 app.model.results.slots.a.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string)
             });
         },
         |app| {
-            let failed = !app.model.shell.messages.errors().is_empty() || !app.choice().is_empty();
+            let failed = !app.model.shell.messages.errors.is_empty() || !app.choice().is_empty();
             let answered = app.model.results.slots.a.burst.is_some() || failed || begin.play.is_some();
             if app.asks_for_shape() {
                 unfit.replace(Some(no_shape(options)));

@@ -1,10 +1,9 @@
 //! Settings that the window remembers from one start to the next.
 
 use super::actions::ActionId;
-use super::document::{Action, Document, Queue};
 use super::lesson::Progress;
 use crate::app::defaults::with_defaults;
-use crate::app::document::{FigureChoice, MatchLook, Panels, Purpose};
+use crate::app::document::{Action, Document, FigureChoice, MatchLook, Panels, Purpose, Queue};
 use crate::app::pane::PaneLinks;
 use crate::dataset::DatasetSource;
 use crate::engine::DEFAULT_CACHE_BYTES;

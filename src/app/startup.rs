@@ -2,11 +2,10 @@
 //! shuts down.
 
 use super::dialogs::{FileDialogs, SystemDialogs};
-use super::document::{Action, Queue, Steps};
 use super::recovery::KeptIn;
 use super::settings::Settings;
 use crate::app::defaults::with_defaults;
-use crate::app::document::Side;
+use crate::app::document::{Action, Queue, Side, Steps};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;

@@ -79,7 +79,7 @@ impl BurstscopeApp {
             title: String::new(),
         };
         app.recovery = Recovery::begin(startup.kept.as_ref(), &mut app.model.shell.messages);
-        for action in begins {
+        for action in begins.0 {
             app.run(ctx, action);
             app.journal.close(false);
         }
@@ -263,7 +263,7 @@ impl BurstscopeApp {
         let readout = self.readout();
         let status_ui = |ui: &mut Ui| panel::status::status_ui(ui, Read::of(&self.model), readout.as_deref(), queue);
         let types_path = !self.model.document.panels.hall && status.show(ui, status_ui).inner;
-        if let Some((purpose, name)) = self.model.shell.messages.unanswered().filter(|_| types_path).cloned() {
+        if let Some((purpose, name)) = self.model.shell.messages.unanswered.as_ref().filter(|_| types_path).cloned() {
             self.overlays.open_path_field(purpose, name, false);
             self.model.shell.messages.forget_note();
         }

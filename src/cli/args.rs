@@ -32,8 +32,6 @@ pub struct SequenceArgs {
 #[derive(Debug, Args)]
 #[command(after_long_help = DETECT_HELP)]
 pub struct DetectArgs {
-    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    pub inputs: Vec<PathBuf>,
     /// Folder for the features, made if it is missing; files are named after their burst.
     #[arg(long, short, value_name = "DIR")]
     pub out: PathBuf,
@@ -47,9 +45,7 @@ pub struct DetectArgs {
     #[command(flatten)]
     pub sequence: SequenceArgs,
     #[command(flatten)]
-    pub run: BurstSearchArgs,
-    #[command(flatten)]
-    pub overwrite: OverwriteArgs,
+    pub bursts: BurstsArgs,
 }
 
 /// A verdict that features may have to be kept; `None` for any.
@@ -101,8 +97,6 @@ JSON (--json):
 /// the DoG response of that image, on the octave's pixels. Values are fractions of full scale.
 #[derive(Debug, Args)]
 pub struct StackArgs {
-    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    pub inputs: Vec<PathBuf>,
     /// The slope, pixels per frame to the right and down.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope,
         required_unless_present_any = ["field", "in_focus"])]
@@ -130,9 +124,7 @@ pub struct StackArgs {
     #[arg(long, short, value_name = "FILE.tiff")]
     pub out: PathBuf,
     #[command(flatten)]
-    pub run: BurstSearchArgs,
-    #[command(flatten)]
-    pub overwrite: OverwriteArgs,
+    pub bursts: BurstsArgs,
 }
 
 /// Align the frames of a burst and average them into one image.
@@ -168,6 +160,17 @@ pub(super) fn two<T: FromStr + Copy>(text: &str, separator: char, valid: fn(T) -
     let (first, second) = text.split_once(separator)?;
     let value = |text: &str| text.trim().parse().ok().filter(|value| valid(*value));
     Some([value(first)?, value(second)?])
+}
+
+/// Bursts to search, and whether files that exist already are replaced.
+#[derive(Debug, Clone, Args)]
+pub struct BurstsArgs {
+    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
+    pub inputs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub run: BurstSearchArgs,
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
 }
 
 /// Options of the search, of opening bursts, and of the output.

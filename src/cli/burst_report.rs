@@ -2,8 +2,8 @@
 
 use super::probe::parse_place;
 use super::{
-    Both, BurstSearchArgs, Console, Failure, INPUT_HELP, Input, OneBurst, Outcome, OverwriteArgs, SequenceArgs,
-    check_ending, document, open_options, resolve_bursts,
+    Both, BurstsArgs, Console, Failure, Input, OneBurst, Outcome, SequenceArgs, check_ending, document, open_options,
+    resolve_bursts,
 };
 use crate::burst::Info;
 #[cfg(feature = "colmap")]
@@ -36,8 +36,6 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = REPORT_HELP)]
 pub struct ReportArgs {
-    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    pub inputs: Vec<PathBuf>,
     /// The file to write: .md, .html, .svg, .pdf or .png; of several bursts .md or .html, or the table alone as .csv.
     #[arg(long, short, value_name = "FILE.md")]
     pub out: PathBuf,
@@ -55,9 +53,7 @@ pub struct ReportArgs {
     #[command(flatten)]
     pub study: DecoyStudy,
     #[command(flatten)]
-    pub run: BurstSearchArgs,
-    #[command(flatten)]
-    pub overwrite: OverwriteArgs,
+    pub bursts: BurstsArgs,
 }
 
 fn parse_named_place(text: &str) -> Result<(Option<String>, [f32; 2]), String> {
@@ -84,7 +80,7 @@ Of several bursts, beside version, params and file:
 const SEARCH_SHARE: f32 = 0.3;
 
 pub(super) fn run(args: &ReportArgs) -> Outcome {
-    let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
+    let inputs = resolve_bursts(&args.bursts.inputs, args.sequence, &args.bursts.run.calibration)?;
     let pairs: Option<ColmapReport> = None;
     #[cfg(feature = "colmap")]
     let pairs = match &args.pairs_of {
@@ -94,11 +90,10 @@ pub(super) fn run(args: &ReportArgs) -> Outcome {
     if inputs.len() > 1 || args.sequence.burst_length.is_some() || pairs.is_some() {
         return run_flight(args, &inputs, pairs.as_ref());
     }
-    let params = args.run.search.params()?;
+    let params = args.bursts.run.search.params()?;
     let endings = ["md", "html", "svg", "pdf", "png"];
     check_ending(&args.out, &endings, "--out: name the report .md, .html, .svg, .pdf or .png")?;
-    let OneBurst { console, input, options, rules } =
-        args.run.begin("report", &args.inputs, args.overwrite, &[Some(&args.out)])?;
+    let OneBurst { console, input, options, rules } = args.bursts.begin("report", &[Some(&args.out)])?;
     let silent = console.monitor.silent();
     let info = Info { name: input.name.clone(), ..input.source.clone()?.info(&options, &silent)? };
     let burst = input.open_to_search(&options, &params, &silent)?;
@@ -131,16 +126,17 @@ pub(super) fn run(args: &ReportArgs) -> Outcome {
 }
 
 fn run_flight(args: &ReportArgs, inputs: &[Input], pairs: Option<&ColmapReport>) -> Outcome {
-    let params = &args.run.search.params()?;
+    let BurstsArgs { run, overwrite, .. } = &args.bursts;
+    let params = &run.search.params()?;
     check_ending(&args.out, &["md", "html", "csv"], "--out: name the report of several bursts .md, .html or .csv")?;
     if !args.at.is_empty() {
         return Err(Failure::usage("--at: a place is one of one burst, and the input names several; name one of them"));
     }
-    let options = open_options(inputs, &args.run.calibration)?;
-    let rules = args.overwrite.rules(inputs, &options, &[args.run.search.file.params.as_ref()]);
+    let options = open_options(inputs, &run.calibration)?;
+    let rules = overwrite.rules(inputs, &options, &[run.search.file.params.as_ref()]);
     // Refused before anything is computed.
     rules.check(&args.out)?;
-    let console = Console::new(&args.run.output)?;
+    let console = Console::new(&run.output)?;
     let mut rows: Vec<FlightRow> = Vec::with_capacity(inputs.len());
     for (index, input) in inputs.iter().enumerate() {
         console.begin(format!("[{}/{}] {}: ", index + 1, inputs.len(), input.name));

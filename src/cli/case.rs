@@ -1,7 +1,7 @@
 //! `case` writes a burst, its settings and the question about it into one file.
 
 use super::probe::{check_inside, parse_place};
-use super::{BurstSearchArgs, INPUT_HELP, OneBurst, Outcome, OverwriteArgs, check_ending, document};
+use super::{BurstsArgs, OneBurst, Outcome, check_ending, document};
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::files::path_text;
 use crate::inspect::result::truth_of;
@@ -17,8 +17,6 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = CASE_HELP)]
 pub struct CaseArgs {
-    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    pub inputs: Vec<PathBuf>,
     /// The place of the question, in pixels at mid-burst: column and row.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
     pub at: Option<[f32; 2]>,
@@ -32,9 +30,7 @@ pub struct CaseArgs {
     #[arg(long, short, value_name = "FILE.burstcase")]
     pub out: PathBuf,
     #[command(flatten)]
-    pub run: BurstSearchArgs,
-    #[command(flatten)]
-    pub overwrite: OverwriteArgs,
+    pub bursts: BurstsArgs,
 }
 
 const CASE_HELP: &str = "\
@@ -46,10 +42,9 @@ Examples:
 JSON (--json): {\"version\", \"commit\", \"detector_revision\", \"command\": \"case\", \"file\", \"case\": {as case.toml in the file}, \"bytes\"}";
 
 pub(super) fn run(args: &CaseArgs) -> Outcome {
-    let search = args.run.search.params()?;
+    let search = args.bursts.run.search.params()?;
     check_ending(&args.out, &[CASE_EXTENSION], "--out: name the file .burstcase")?;
-    let OneBurst { console, input, options, rules } =
-        args.run.begin("case", &args.inputs, args.overwrite, &[Some(&args.out)])?;
+    let OneBurst { console, input, options, rules } = args.bursts.begin("case", &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor.part(0.0, 0.5))?;
     args.at.map_or(Ok(()), |at| check_inside(at, burst.size()))?;
     let (case, part) =

@@ -2,11 +2,11 @@
 
 use super::args::DetectArgs;
 use super::report::{BurstReport, FailureReport, summary};
-use super::{Console, Failure, Input, Outcome, document, open_options, resolve_bursts};
+use super::{BurstsArgs, Console, Failure, Input, Outcome, document, open_options, resolve_bursts};
 use crate::burst::{Burst, OpenOptions};
 use crate::dataset::CameraChoice;
 use crate::detect::{Searched, search};
-use crate::detector::{Detection, Method, SearchParams, explain, find_slopes};
+use crate::detector::{Detection, Method, SearchParams, find_slopes};
 use crate::export::{ExportFormat, OutputRules, detection_files, write_detection};
 use crate::files::lock::FolderLock;
 use crate::files::path_text;
@@ -57,16 +57,17 @@ impl<'a> DetectJob<'a> {
 }
 
 pub(super) fn run(args: &DetectArgs) -> Outcome {
-    let params = args.run.search.params()?;
+    let params = args.bursts.run.search.params()?;
     let mut job = DetectJob::new(&args.out, &args.format, &params)?;
-    let console = Console::new(&args.run.output)?;
-    let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
-    let options = open_options(&inputs, &args.run.calibration)?;
+    let BurstsArgs { inputs, run, overwrite } = &args.bursts;
+    let console = Console::new(&run.output)?;
+    let inputs = resolve_bursts(inputs, args.sequence, &run.calibration)?;
+    let options = open_options(&inputs, &run.calibration)?;
     job.verdicts = match args.verdict.contains(&None) {
         true => Verdict::ALL.to_vec(),
         false => args.verdict.iter().copied().flatten().collect(),
     };
-    job.rules = args.overwrite.rules(&inputs, &options, &[args.run.search.file.params.as_ref()]);
+    job.rules = overwrite.rules(&inputs, &options, &[run.search.file.params.as_ref()]);
     // All files are checked, and the folder is locked, before the first search.
     let folder = job.take_folder(&inputs, &[])?;
     let count = inputs.len();
@@ -103,12 +104,12 @@ pub(super) fn detect_burst(
     folder: &FolderLock,
     console: &Console,
 ) -> Outcome<(BurstReport, Burst, Detection)> {
-    let (name, paths) = (input.name.clone(), input.path_texts());
+    let (name, inputs) = (input.name.clone(), input.path_texts());
     let start = Instant::now();
     let burst = input.open_to_search(options, job.params, &console.monitor)?;
     job.camera.for_images(burst.size())?;
     let open_secs = start.elapsed().as_secs_f32();
-    let (searched, judged_by) = match &job.verdicts[..] {
+    let (mut searched, judged_by) = match &job.verdicts[..] {
         [] => (search(&burst, job.params, &console.monitor)?, None),
         // A search that leaves what verdicts are found from.
         _ => {
@@ -117,26 +118,24 @@ pub(super) fn detect_burst(
             (Searched { detection: cache.detection().clone(), params, finding, slopes_secs: 0.0 }, Some(cache.trail))
         }
     };
-    let Searched { detection, params, finding, mut slopes_secs } = searched;
     // Comparing given slopes with those that the frames show takes as long as the noise and the field: only where it is
     // asked for, or the search makes them doubtful.
     let judging = Instant::now();
-    let is_asked = || console.output.json || is_doubtful(&detection, &params, &burst);
-    let shown = match &finding {
+    let Searched { detection, params, finding, .. } = &searched;
+    let is_asked = || console.output.json || is_doubtful(detection, params, &burst);
+    let shown = match finding {
         None if params.method == Method::Buff && is_asked() => {
-            Some(find_slopes(&burst, &params, None, &console.monitor)?)
+            Some(find_slopes(&burst, params, None, &console.monitor)?)
         }
         found => found.clone(),
     };
-    let judged = judgement(&detection, &params, shown.as_ref(), &burst, &console.monitor)?;
-    slopes_secs += judging.elapsed().as_secs_f32();
-    let (detection, verdicts) = match judged_by {
-        None => (detection, None),
-        Some(trail) => {
-            let (detection, verdicts) = kept(&trail, &job.verdicts, &console.monitor.part(0.7, 0.3))?;
-            (detection, Some(verdicts))
-        }
-    };
+    let slopes_judged = judgement(detection, params, shown.as_ref(), &burst, &console.monitor)?;
+    searched.slopes_secs += judging.elapsed().as_secs_f32();
+    let mut verdicts = None;
+    if let Some(trail) = judged_by {
+        let (detection, of_kept) = kept(&trail, &job.verdicts, &console.monitor.part(0.7, 0.3))?;
+        (searched.detection, verdicts) = (detection, Some(of_kept));
+    }
     // Past this point the features are written; Ctrl-C then stops before the next burst.
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
@@ -144,14 +143,14 @@ pub(super) fn detect_burst(
     // Checked again: the search took long, and the folder may have changed.
     folder.check()?;
     job.files(&name).iter().try_for_each(|file| job.rules.check(file))?;
-    let files = write_detection(job.out, &name, &detection, verdicts.as_deref(), &job.formats)?;
+    let files = write_detection(job.out, &name, &searched.detection, verdicts.as_deref(), &job.formats)?;
     let write_secs = start.elapsed().as_secs_f32();
     let files = job.formats.iter().map(ToString::to_string).zip(files.iter().map(|file| path_text(file))).collect();
-    let advice = explain(&detection, &params, burst.size());
-    let times = [open_secs, slopes_secs, write_secs];
-    let report = BurstReport::new(&name, paths, &burst, &detection, files, finding, judged, advice, times);
+    let mut report = BurstReport::of(&burst, &searched);
+    (report.name, report.inputs, report.files, report.slopes_judged) = (name, inputs, files, slopes_judged);
+    (report.times.open_secs, report.times.write_secs) = (open_secs, write_secs);
     console.say(&summary(&report, &job.params.at_given()))?;
-    Ok((report, burst, detection))
+    Ok((report, burst, searched.detection))
 }
 
 #[cfg(test)]
@@ -173,8 +172,8 @@ mod tests {
         let cli =
             Cli::try_parse_from(shlex::split(&line).expect("closed quotes")).unwrap_or_else(|e| panic!("{line}: {e}"));
         let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
-        let params = args.run.search.params().unwrap_or_else(|e| panic!("{line}: {e:?}"));
-        (args.inputs, params, args.run.calibration.clone())
+        let params = args.bursts.run.search.params().unwrap_or_else(|e| panic!("{line}: {e:?}"));
+        (args.bursts.inputs, params, args.bursts.run.calibration)
     }
 
     #[test]

@@ -112,9 +112,6 @@ struct AddedNoise {
 }
 
 pub(super) fn run(args: &MatchesArgs) -> Outcome {
-    if args.run.search.gives(&crate::detector::params::doc::METHOD) {
-        return Err(Failure::usage("--method: this command compares several; name them with --methods"));
-    }
     let has_gold = args.gold.is_some() || args.snr.is_some();
     let StudySearch { detector, slopes, direction_deg } = searched_by(&args.run.search, &args.methods)?;
     let methods = methods(args, has_gold, slopes.is_none());

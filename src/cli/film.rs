@@ -1,7 +1,7 @@
 //! `film` writes a sweep over slope, scale or frames as an animation.
 
 use super::args::parse_slope;
-use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, Outcome, OverwriteArgs, document};
+use super::{BurstsArgs, Failure, OneBurst, Outcome, document};
 use crate::detect::search;
 use crate::detector::{Method, Slope};
 use crate::export::film::{check_film, estimated_film_bytes, film_files, is_film};
@@ -21,8 +21,6 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = FILM_HELP)]
 pub struct FilmArgs {
-    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    pub inputs: Vec<PathBuf>,
     /// What changes from picture to picture: slope-u=MIN:MAX:COUNT or slope-v=MIN:MAX:COUNT in pixels per frame; scale,
     /// the DoG of every octave and level; or frames, added one by one.
     #[arg(long, value_name = "WHAT", value_parser = <Sweep as std::str::FromStr>::from_str)]
@@ -44,9 +42,7 @@ pub struct FilmArgs {
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     #[command(flatten)]
-    pub run: BurstSearchArgs,
-    #[command(flatten)]
-    pub overwrite: OverwriteArgs,
+    pub bursts: BurstsArgs,
 }
 
 const FILM_HELP: &str = "\
@@ -58,7 +54,7 @@ Examples:
 JSON (--json): {\"version\", \"commit\", \"detector_revision\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\" (null for MP4), \"bytes\"}";
 
 pub(super) fn run(args: &FilmArgs) -> Outcome {
-    let mut params = args.run.search.params()?;
+    let mut params = args.bursts.run.search.params()?;
     if !is_film(&args.out) {
         return Err(Failure::usage(format!(
             "--out: films are GIF, MP4, or a PNG file for each picture; name the file .gif, .mp4 or .png: {}",
@@ -72,8 +68,7 @@ pub(super) fn run(args: &FilmArgs) -> Outcome {
     }
     // The names of a series are known once its pictures are counted, which needs the burst.
     let named = film_files(&args.out, 0);
-    let OneBurst { console, input, options, rules } =
-        args.run.begin("film", &args.inputs, args.overwrite, &[named.first()])?;
+    let OneBurst { console, input, options, rules } = args.bursts.begin("film", &[named.first()])?;
     let burst = input.open(&options, &console.monitor.part(0.0, 0.1))?;
     params.at_given().validate_for(&burst.positions, burst.size())?;
     let source = BurstSource::Paths(input.paths().to_vec());

@@ -4,7 +4,7 @@
 //! several pictures are the frames of one burst.
 
 use super::search_options::defaults_file;
-use super::{BurstSearchArgs, Console, Failure, Outcome, OverwriteArgs, SequenceArgs};
+use super::{BurstSearchArgs, BurstsArgs, Console, Failure, Outcome, OverwriteArgs, SequenceArgs};
 use crate::burst::{
     Burst, BurstFiles, Entries, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries, name_among_several,
 };
@@ -89,13 +89,9 @@ pub(super) fn resolve(arguments: &[PathBuf], options: &OpenOptions) -> Vec<Input
     inputs
 }
 
-/// Resolves `arguments` to bursts; with `sequence`, to the bursts into which their sequences are cut.
-pub(super) fn resolve_bursts(
-    arguments: &[PathBuf],
-    sequence: SequenceArgs,
-    options: &OpenOptions,
-) -> Outcome<Vec<Input>> {
-    let inputs = resolve(arguments, options);
+/// Resolves `paths` to bursts; with `sequence`, to the bursts into which their sequences are cut.
+pub(super) fn resolve_bursts(paths: &[PathBuf], sequence: SequenceArgs, options: &OpenOptions) -> Outcome<Vec<Input>> {
+    let inputs = resolve(paths, options);
     let Some(length) = sequence.burst_length else { return Ok(inputs) };
     let cut =
         SequenceCut::new(length, sequence.burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
@@ -191,14 +187,9 @@ pub(super) fn open_options(inputs: &[Input], calibration: &OpenOptions) -> Outco
 
 impl OverwriteArgs {
     /// `settings` are files that the command reads: a parameter file, a session.
-    pub(super) fn rules(
-        &self,
-        inputs: &[Input],
-        calibration: &OpenOptions,
-        settings: &[Option<&PathBuf>],
-    ) -> OutputRules {
+    pub(super) fn rules(&self, inputs: &[Input], open: &OpenOptions, settings: &[Option<&PathBuf>]) -> OutputRules {
         let overwrite = if self.force { Overwrite::Force } else { Overwrite::Refuse };
-        OutputRules::new(opened(inputs, calibration, settings), overwrite)
+        OutputRules::new(opened(inputs, open, settings), overwrite)
     }
 }
 
@@ -217,19 +208,14 @@ pub(super) struct OneBurst {
     pub rules: OutputRules,
 }
 
-impl BurstSearchArgs {
-    /// Begins `command` on the one burst that `inputs` name; `outputs` may be written.
-    pub(super) fn begin(
-        &self,
-        command: &str,
-        inputs: &[PathBuf],
-        overwrite: OverwriteArgs,
-        outputs: &[Option<&PathBuf>],
-    ) -> Outcome<OneBurst> {
-        let console = Console::new(&self.output)?;
-        let input = resolve_one(inputs, command, &self.calibration)?;
-        let options = open_options(std::slice::from_ref(&input), &self.calibration)?;
-        let rules = overwrite.rules(std::slice::from_ref(&input), &options, &[self.search.file.params.as_ref()]);
+impl BurstsArgs {
+    /// Begins `command` on the one burst that the inputs name; `outputs` may be written.
+    pub(super) fn begin(&self, command: &str, outputs: &[Option<&PathBuf>]) -> Outcome<OneBurst> {
+        let Self { inputs, run: BurstSearchArgs { search, calibration, output }, overwrite } = self;
+        let console = Console::new(output)?;
+        let input = resolve_one(inputs, command, calibration)?;
+        let options = open_options(std::slice::from_ref(&input), calibration)?;
+        let rules = overwrite.rules(std::slice::from_ref(&input), &options, &[search.file.params.as_ref()]);
         // Refused before anything is computed.
         outputs.iter().flatten().try_for_each(|path| rules.check(path))?;
         console.begin(format!("{}: ", input.name));

@@ -68,7 +68,7 @@ pub use report::burst_document;
 use crate::burst::{DecodeWorker, serve_decoding};
 use crate::files::MAX_INTEGER;
 use crate::plane::memory;
-use args::{BurstSearchArgs, INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs};
+use args::{BurstSearchArgs, BurstsArgs, INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 use commands::Cli;
 use console::{Both, Console, document};

@@ -4,7 +4,9 @@
 use super::args::two;
 use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
 use super::study::{FIGURE_FILE, figure_file};
-use super::{Both, BurstSearchArgs, Console, Failure, INPUT_HELP, OneBurst, Outcome, OverwriteArgs, document};
+use super::{
+    Both, BurstSearchArgs, BurstsArgs, Console, Failure, INPUT_HELP, OneBurst, Outcome, OverwriteArgs, document,
+};
 use crate::burst::Positions;
 use crate::error::Error;
 use crate::files::path_text;
@@ -19,9 +21,8 @@ use serde::Serialize;
 use std::path::PathBuf;
 
 pub(super) fn run(args: &ProbeArgs) -> Outcome {
-    let params = args.run.search.params()?;
-    let OneBurst { console, input, options, rules } =
-        args.run.begin("probe", &args.inputs, args.overwrite, &[args.plot.as_ref()])?;
+    let params = args.bursts.run.search.params()?;
+    let OneBurst { console, input, options, rules } = args.bursts.begin("probe", &[args.plot.as_ref()])?;
     let burst = input.open_to_search(&options, &params, &console.monitor)?;
     if let Some(place) = args.at {
         // Checked before the long search.
@@ -86,8 +87,8 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Outcome {
         let slopes = SetUpArgs::slopes(&set_up, &Positions::even(args.set_up.frame_count), &params.at_given())?;
         return say_slopes(&console, &set_up, &slopes);
     }
-    let OneBurst { console, input, options, rules } =
-        args.run.begin("slopes", &args.inputs, args.overwrite, &[args.plot.as_ref()])?;
+    let bursts = BurstsArgs { inputs: args.inputs.clone(), run: args.run.clone(), overwrite: args.overwrite };
+    let OneBurst { console, input, options, rules } = bursts.begin("slopes", &[args.plot.as_ref()])?;
     let burst = input.open_to_search(&options, &params, &console.monitor)?;
     let mut asked = None;
     if let Some(set_up) = &set_up {
@@ -173,8 +174,6 @@ JSON (--json), beside version, params, name and inputs:
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("place").required(true).args(["at", "feature"])), after_long_help = PROBE_HELP)]
 pub struct ProbeArgs {
-    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    pub inputs: Vec<PathBuf>,
     /// The place, in pixels at mid-burst: column and row; the centre of the first pixel is 0,0.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
     pub at: Option<[f32; 2]>,
@@ -189,9 +188,7 @@ pub struct ProbeArgs {
     #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
     pub plot: Option<PathBuf>,
     #[command(flatten)]
-    pub run: BurstSearchArgs,
-    #[command(flatten)]
-    pub overwrite: OverwriteArgs,
+    pub bursts: BurstsArgs,
 }
 
 const PROBE_HELP: &str = "\
@@ -253,8 +250,8 @@ JSON (--json), beside version, params, name, inputs, width, height and slope_gri
 
 pub(super) fn run_decoys(args: &DecoysArgs) -> Outcome {
     let params = args.run.search.params()?;
-    let OneBurst { console, input, options, .. } =
-        args.run.begin("decoys", &args.inputs, OverwriteArgs::default(), &[])?;
+    let (inputs, run, overwrite) = (args.inputs.clone(), args.run.clone(), OverwriteArgs::default());
+    let OneBurst { console, input, options, .. } = BurstsArgs { inputs, run, overwrite }.begin("decoys", &[])?;
     let burst = input.open_to_search(&options, &params, &console.monitor.silent())?;
     // Checked before the long search.
     args.study.check(&params, burst.len())?;

@@ -1,7 +1,7 @@
 //! `recover` plants things in a burst and reports which of them the search finds.
 
 use super::study::{FIGURE_FILE, check_figures, figure_file, write_figure};
-use super::{BurstSearchArgs, INPUT_HELP, OneBurst, Outcome, OverwriteArgs, check_ending};
+use super::{BurstsArgs, OneBurst, Outcome, check_ending};
 use crate::detector::SearchParams;
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::recover::RecoverStudy;
@@ -19,8 +19,6 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = RECOVER_HELP)]
 pub struct RecoverArgs {
-    #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
-    pub inputs: Vec<PathBuf>,
     #[command(flatten)]
     pub study: RecoverStudy,
     /// Draw the curves and the map as a figure, or write the points of the curves as CSV or LaTeX (.tex).
@@ -34,9 +32,7 @@ pub struct RecoverArgs {
     #[arg(long, value_name = "FILE.burstcase")]
     pub case: Option<PathBuf>,
     #[command(flatten)]
-    pub run: BurstSearchArgs,
-    #[command(flatten)]
-    pub overwrite: OverwriteArgs,
+    pub bursts: BurstsArgs,
 }
 
 const RECOVER_HELP: &str = "\
@@ -58,11 +54,10 @@ JSON (--json):
   Amplitudes are fractions of full scale; shares 0 … 1; expected is what the noise of the burst and the gate let expect.";
 
 pub(super) fn run(args: &RecoverArgs) -> Outcome {
-    let study = RecoverStudy { search: args.run.search.params()?, ..args.study.clone() };
+    let study = RecoverStudy { search: args.bursts.run.search.params()?, ..args.study.clone() };
     args.case.iter().try_for_each(|path| check_ending(path, &[CASE_EXTENSION], "--case: name the case .burstcase"))?;
     let outputs = [args.plot.as_ref(), args.table.as_ref(), args.case.as_ref()];
-    let OneBurst { console, input, options, rules } =
-        args.run.begin("recover", &args.inputs, args.overwrite, &outputs)?;
+    let OneBurst { console, input, options, rules } = args.bursts.begin("recover", &outputs)?;
     check_figures([&args.plot, &args.table], &rules)?;
     let burst = input.open_to_search(&options, &study.search, &console.monitor.silent())?;
     let report = study.run(&burst, &console.monitor)?;

@@ -6,8 +6,7 @@ use crate::detector::advice::grouped;
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{
-    Advice, Detection, DetectorParams, Method, NoiseGate, Slope, SlopeFinding, SlopeGrid, StageTimes, Tally, Test,
-    explain,
+    Advice, DetectorParams, Method, NoiseGate, Slope, SlopeFinding, SlopeGrid, StageTimes, Tally, Test, explain,
 };
 use crate::files::path_text;
 use crate::inspect::slopes::{SlopeJudgement, features_at_slopes};
@@ -23,8 +22,8 @@ pub(super) struct FailureReport {
 
 #[derive(Debug, Serialize)]
 pub(super) struct BurstReport {
-    name: String,
-    inputs: Vec<String>,
+    pub name: String,
+    pub inputs: Vec<String>,
     frames: usize,
     frames_used: [usize; 2],
     /// Position of each frame from the first one, frame intervals; absent for even ones.
@@ -61,7 +60,7 @@ pub(super) struct BurstReport {
     notes: Vec<Note>,
     pub features: usize,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    files: BTreeMap<String, String>,
+    pub files: BTreeMap<String, String>,
     frame_noise: f32,
     noise: NoiseModel,
     noise_gate_factor: f32,
@@ -71,21 +70,16 @@ pub(super) struct BurstReport {
     slopes_found: Option<SlopeFinding>,
     slopes: Vec<SlopeCount>,
     tally: Tally,
-    times: TimesReport,
+    pub times: TimesReport,
     /// Judgement of the slopes; absent for a method without slopes and for a single frame.
     #[serde(skip_serializing_if = "Option::is_none")]
-    slopes_judged: Option<SlopeJudgement>,
+    pub slopes_judged: Option<SlopeJudgement>,
     advice: Option<AdviceReport>,
 }
 
-/// For features that are not written: without `files` and slopes judged, and with 0 s for opening and writing.
+/// JSON of [`BurstReport::of`].
 pub fn burst_document(burst: &Burst, searched: &Searched) -> serde_json::Result<String> {
-    let Searched { detection, params, finding, slopes_secs } = searched;
-    let inputs = burst.sources.iter().map(|path| path_text(path)).collect();
-    let advice = explain(detection, params, burst.size());
-    let (finding, times) = (finding.clone(), [0.0, *slopes_secs, 0.0]);
-    let report = BurstReport::new(&burst.name, inputs, burst, detection, BTreeMap::new(), finding, None, advice, times);
-    serde_json::to_string(&report)
+    serde_json::to_string(&BurstReport::of(burst, searched))
 }
 
 #[derive(Debug, Serialize)]
@@ -103,34 +97,26 @@ pub(super) struct SlopeCount {
 }
 
 #[derive(Debug, Serialize)]
-struct TimesReport {
-    open_secs: f32,
+pub(super) struct TimesReport {
+    pub open_secs: f32,
     slopes_secs: f32,
     #[serde(flatten)]
     search: StageTimes,
-    write_secs: f32,
+    pub write_secs: f32,
 }
 
 impl BurstReport {
-    pub fn new(
-        name: &str,
-        inputs: Vec<String>,
-        burst: &Burst,
-        detection: &Detection,
-        files: BTreeMap<String, String>,
-        slopes_found: Option<SlopeFinding>,
-        slopes_judged: Option<SlopeJudgement>,
-        advice: Option<Advice>,
-        [open_secs, slopes_secs, write_secs]: [f32; 3],
-    ) -> Self {
+    /// For features that are not written: without `files` and slopes judged, and with 0 s for opening and writing.
+    pub fn of(burst: &Burst, Searched { detection, params, finding, slopes_secs }: &Searched) -> Self {
+        let (search, slopes_secs) = (detection.times, *slopes_secs);
         let counts = detection.slopes.slopes().zip(features_at_slopes(detection));
         let advised = |advice: Advice| {
             let (message, parameter) = (advice.for_command(), advice.parameter.name);
             AdviceReport { message, parameter, value: advice.value }
         };
         Self {
-            name: name.to_owned(),
-            inputs,
+            name: burst.name.clone(),
+            inputs: burst.sources.iter().map(|path| path_text(path)).collect(),
             frames: burst.len(),
             frames_used: [detection.frames_used.start, detection.frames_used.end],
             positions: burst.positions.list(),
@@ -148,18 +134,18 @@ impl BurstReport {
             frame_names: if burst.taken.is_empty() { Vec::new() } else { burst.frame_names.clone() },
             notes: burst.notes(),
             features: detection.features.len(),
-            files,
+            files: BTreeMap::new(),
             frame_noise: detection.frame_noise,
             noise: NoiseModel::clone(&detection.noise),
             noise_gate_factor: detection.noise_gate_factor,
             octaves: [detection.octaves.start, detection.octaves.end],
             slope_grid: detection.slopes,
-            slopes_found,
+            slopes_found: finding.clone(),
             slopes: counts.map(|(Slope { u, v }, features)| SlopeCount { u, v, features }).collect(),
             tally: detection.tally,
-            times: TimesReport { open_secs, slopes_secs, search: detection.times, write_secs },
-            slopes_judged,
-            advice: advice.map(advised),
+            times: TimesReport { open_secs: 0.0, slopes_secs, search, write_secs: 0.0 },
+            slopes_judged: None,
+            advice: explain(detection, params, burst.size()).map(advised),
         }
     }
 }

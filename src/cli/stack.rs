@@ -1,7 +1,9 @@
 //! `stack` writes a motion stack, its DoG response, all in focus or the field as TIFF; `merge` the merged frames.
 
 use super::args::{MergeArgs, StackArgs};
-use super::{Both, BurstSearchArgs, Console, Failure, OneBurst, Outcome, SearchArgs, check_ending, document};
+use super::{
+    Both, BurstSearchArgs, BurstsArgs, Console, Failure, OneBurst, Outcome, SearchArgs, check_ending, document,
+};
 use crate::SlopeGrid;
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
@@ -20,10 +22,9 @@ use serde::Serialize;
 pub(super) fn run(args: &StackArgs) -> Outcome {
     let Some(slope) = args.slope else { return run_field(args) };
     // Only this slope is computed, so only this slope is checked.
-    let params = args.run.search.params()?.at(SlopeGrid::single(slope));
+    let params = args.bursts.run.search.params()?.at(SlopeGrid::single(slope));
     check_ending(&args.out, &["tif", "tiff"], NO_TIFF)?;
-    let OneBurst { console, input, options, rules } =
-        args.run.begin("stack", &args.inputs, args.overwrite, &[Some(&args.out)])?;
+    let OneBurst { console, input, options, rules } = args.bursts.begin("stack", &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor)?;
     // A search on merged frames has one frame, and its stack is that frame's.
     let (burst, params) = prepare(&burst, &params, &console.monitor)?;
@@ -42,9 +43,8 @@ fn run_field(args: &StackArgs) -> Outcome {
     let (endings, unfit): (&[&str], _) =
         if args.field { (&["tif", "tiff", "npz", "pfm"], NO_FIELD_FILE) } else { (&["tif", "tiff"], NO_TIFF) };
     check_ending(&args.out, endings, unfit)?;
-    let params = args.run.search.params()?;
-    let OneBurst { console, input, options, rules } =
-        args.run.begin("stack", &args.inputs, args.overwrite, &[Some(&args.out)])?;
+    let params = args.bursts.run.search.params()?;
+    let OneBurst { console, input, options, rules } = args.bursts.begin("stack", &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor)?;
     // The field needs the range of slopes: unless given, it is found first.
     let (params, _) = resolve(&burst, &params, &console.monitor)?;
@@ -116,10 +116,10 @@ pub(super) fn run_merge(args: &MergeArgs) -> Outcome {
         DetectorParams { method: Method::Merge, frames: args.frames, ..DetectorParams::default() };
     params.validate()?;
     check_ending(&args.out, &["tif", "tiff"], NO_TIFF)?;
-    let run =
-        BurstSearchArgs { search: SearchArgs::default(), calibration: args.calibration.clone(), output: args.output };
-    let OneBurst { console, input, options, rules } =
-        run.begin("merge", &args.inputs, args.overwrite, &[Some(&args.out)])?;
+    let (search, calibration) = (SearchArgs::default(), args.calibration.clone());
+    let run = BurstSearchArgs { search, calibration, output: args.output };
+    let bursts = BurstsArgs { inputs: args.inputs.clone(), run, overwrite: args.overwrite };
+    let OneBurst { console, input, options, rules } = bursts.begin("merge", &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor)?;
     // Of the search parameters only the frames matter here: an image of any size is merged.
     params.validate_frames(burst.len())?;

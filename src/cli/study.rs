@@ -28,8 +28,11 @@ pub(super) fn searched(search: &SearchArgs) -> Outcome<StudySearch> {
     checked_slopes(search, false, remedy)
 }
 
-/// As [`searched`], for `methods` of which one may find slopes; none stands for those that fit the options.
+/// As [`searched`], for a study of `methods`, of which one may find slopes; none stands for those that fit the options.
 pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Outcome<StudySearch> {
+    if search.gives(&doc::METHOD) {
+        return Err(Failure::usage("--method: this command compares several; name them with --methods"));
+    }
     let remedy = "of the methods only buff-auto finds slopes; add it to --methods, or give a range with --slopes-u and --slopes-v";
     checked_slopes(search, methods.is_empty() || methods.contains(&BurstMethod::BuffAuto), remedy)
 }
@@ -59,9 +62,6 @@ pub(super) fn chart_study(
     search: &SearchArgs,
     (snrs, frame_counts): (Vec<f64>, Vec<usize>),
 ) -> Outcome<ChartStudy> {
-    if search.gives(&doc::METHOD) {
-        return Err(Failure::usage("--method: this command compares several; name them with --methods"));
-    }
     let StudySearch { detector, slopes, direction_deg } = searched_by(search, &compared.methods)?;
     Ok(ChartStudy {
         chart: charts.params(compared.max_slope),

@@ -15,7 +15,7 @@ pub use wanted::{Ended, Want, Wanted};
 
 use crate::requests::{BurstId, Caches, locked};
 use queue::JobQueue;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Callback after something was published; may be called from any thread.
 pub type OnUpdate = Arc<dyn Fn() + Send + Sync>;
@@ -24,7 +24,7 @@ pub const DEFAULT_CACHE_BYTES: usize = 256 << 20;
 
 /// Dropping it cancels what runs, finishes the files that are being written, and returns when all threads have ended.
 pub struct Engine {
-    tasks: task::Tasks,
+    tasks: Mutex<task::Tasks>,
     caches: Caches,
     queue: Arc<JobQueue>,
 }
@@ -32,7 +32,7 @@ pub struct Engine {
 impl Engine {
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let queue = Arc::new(JobQueue::new(on_update));
-        Self { tasks: task::Tasks::new(&queue), caches: Caches::new(cache_bytes), queue }
+        Self { tasks: Mutex::default(), caches: Caches::new(cache_bytes), queue }
     }
 
     pub fn keep_trails_of(&self, open: &[BurstId]) {
@@ -47,15 +47,6 @@ impl Engine {
     pub fn held(&self) -> Held {
         let (trails, trail_bytes) = self.caches.trails.held();
         Held { picture_bytes: locked(&self.caches.pictures).bytes(), trails, trail_bytes, requests: self.queue.len() }
-    }
-
-    pub fn task(&self, label: &str, work: impl FnOnce() -> Result<String, String> + Send + 'static) -> TaskId {
-        self.tasks.start(label, Box::new(work))
-    }
-
-    /// The tasks that ended since the last call, oldest first. Never waits.
-    pub fn take_tasks(&self) -> Vec<TaskDone> {
-        self.tasks.take_done()
     }
 
     /// Cancels superseded requests whose grace has ended. To be called in every pass.

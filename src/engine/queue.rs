@@ -5,18 +5,16 @@
 //! urgent work, so that a picture never waits for a dataset. Every request ends in exactly one answer, which is
 //! published before its work counts as done; `on_update` is called after that.
 
-mod state;
-mod threads;
-
 use super::{OnUpdate, fault, locked};
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, Progress};
 use crate::requests::{JobError, JobId, Running, Urgency};
-use state::{RunningJob, State, WaitingJob};
 use std::any::TypeId;
-use std::sync::{Arc, Condvar, Mutex};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use threads::{unique_key, work};
+
+const PROGRESS_EVERY: Duration = Duration::from_millis(40);
 
 /// Lowest urgency that each thread takes: pictures never wait for files or searches, nor searches for datasets.
 pub(super) const THREADS: [Urgency; 8] = {
@@ -55,6 +53,82 @@ pub(super) enum Standing {
     Superseded,
     /// A newer one is answered already.
     Overtaken,
+}
+
+struct WaitingJob {
+    kind: u32,
+    id: JobId,
+    manner: Manner,
+    job: Box<dyn QueuedJob>,
+}
+
+struct RunningJob {
+    kind: u32,
+    id: JobId,
+    manner: Manner,
+    monitor: Monitor,
+    started: Instant,
+    standing: Standing,
+    progress: Arc<Mutex<Option<Progress>>>,
+}
+
+impl RunningJob {
+    fn enforce_grace(&self) {
+        if self.standing != Standing::Latest && self.started.elapsed() >= self.manner.grace {
+            self.monitor.cancel();
+        }
+    }
+}
+
+#[derive(Default)]
+struct State {
+    /// In the order of the first request of each kind.
+    waiting: Vec<WaitingJob>,
+    running: Vec<RunningJob>,
+    newest: u64,
+    kinds: u32,
+    stop: bool,
+}
+
+impl State {
+    fn next_id(&mut self) -> JobId {
+        self.newest += 1;
+        JobId(self.newest)
+    }
+
+    fn supersede(&mut self, kind: u32, standing: Standing) {
+        for job in self.running.iter_mut().filter(|job| job.kind == kind) {
+            job.standing = job.standing.max(standing);
+            // Its answer can no longer be of use: it is cancelled whatever its grace.
+            if standing == Standing::Overtaken {
+                job.monitor.cancel();
+            }
+            job.enforce_grace();
+        }
+    }
+
+    /// Takes the most urgent request that `limit` admits and whose lane is free, of equal ones the longest waiting: a
+    /// running request has all cores, and a lane answers in the order of its requests.
+    fn take(&mut self, limit: Urgency) -> Option<WaitingJob> {
+        let is_free = |job: &WaitingJob| {
+            job.manner.urgency <= limit
+                && (!self.stop || job.manner.urgency == Urgency::Write)
+                && !self
+                    .running
+                    .iter()
+                    .any(|running| running.manner.lane == job.manner.lane || running.kind == job.kind)
+        };
+        let free = self.waiting.iter().enumerate().filter(|(_, job)| is_free(job));
+        let index = free.min_by_key(|(index, job)| (job.manner.urgency, *index))?.0;
+        Some(self.waiting.remove(index))
+    }
+
+    fn end_waiting(&mut self, kind: u32, why: &JobError) {
+        while let Some(index) = self.waiting.iter().position(|job| job.kind == kind) {
+            let old = self.waiting.remove(index);
+            old.job.end(old.id, why.clone());
+        }
+    }
 }
 
 struct Shared {
@@ -169,4 +243,69 @@ impl Drop for JobQueue {
             let _ = thread.join();
         }
     }
+}
+
+/// Loop of a thread: takes the most urgent work that is free, does it, and publishes its answer.
+fn work(shared: &Shared, thread: &str, limit: Urgency) {
+    // Made with the first work: many threads never get any.
+    let threads = std::cell::LazyCell::new(|| pool(thread));
+    loop {
+        let (WaitingJob { kind, id, manner, job }, monitor) = {
+            let mut state = locked(&shared.state);
+            loop {
+                if let Some(next) = state.take(limit) {
+                    let progress = Arc::new(Mutex::new(None));
+                    let monitor = listening_monitor(progress.clone(), shared.on_update.clone());
+                    let (kind, id, manner, standing) = (next.kind, next.id, next.manner, Standing::Latest);
+                    let (its, started) = (monitor.clone(), Instant::now());
+                    state.running.push(RunningJob { kind, id, manner, monitor: its, started, standing, progress });
+                    break (next, monitor);
+                }
+                if state.stop {
+                    return;
+                }
+                state = shared.wake.wait(state).unwrap_or_else(PoisonError::into_inner);
+            }
+        };
+        let publish = match &*threads {
+            Some(pool) => pool.install(|| job.run(id, thread, &monitor)),
+            None => job.run(id, thread, &monitor),
+        };
+        // One step under the lock with leaving `running`: the queue is never idle before the answer is there.
+        let mut state = locked(&shared.state);
+        let standing = state.running.iter().find(|job| job.id == id).map_or(Standing::Latest, |job| job.standing);
+        publish(standing);
+        state.running.retain(|job| job.id != id);
+        let waits = state.waiting.iter().any(|job| job.manner.lane == manner.lane || job.kind == kind);
+        drop(state);
+        if waits {
+            // Another thread may take a request of this lane that waited.
+            shared.wake.notify_all();
+        }
+        (shared.on_update)();
+    }
+}
+
+fn listening_monitor(progress: Arc<Mutex<Option<Progress>>>, on_update: OnUpdate) -> Monitor {
+    let told = Mutex::new(None::<Instant>);
+    Monitor::with_listener(move |now| {
+        *locked(&progress) = Some(now);
+        let mut told = locked(&told);
+        if told.is_none_or(|at| at.elapsed() >= PROGRESS_EVERY) {
+            *told = Some(Instant::now());
+            on_update();
+        }
+    })
+}
+
+/// Name that no other thread of the program has, under which the place of a panic is recorded.
+fn unique_key(limit: Urgency) -> String {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    format!("{}-{limit:?}", COUNTER.fetch_add(1, Ordering::Relaxed))
+}
+
+/// Pool of one thread's parallel loops; `None` where the system refuses it: the shared pool then has a longer queue.
+fn pool(thread: &str) -> Option<rayon::ThreadPool> {
+    let thread = thread.to_owned();
+    rayon::ThreadPoolBuilder::new().thread_name(move |i| format!("{}{thread}.{i}", fault::THREAD_PREFIX)).build().ok()
 }

@@ -18,6 +18,7 @@ pub struct Wanted<R: Request> {
     /// Requests without an answer, the latest last.
     pending: Vec<(JobId, R)>,
     ended: Option<(R, Option<JobError>)>,
+    /// Progress of the running request, as of the last [`Self::take`] or [`Self::ask`].
     pub(crate) running: Option<Running>,
 }
 
@@ -120,11 +121,6 @@ impl<R: Request> Wanted<R> {
 
     pub fn is_pending(&self) -> bool {
         !self.pending.is_empty()
-    }
-
-    /// Progress of the running request, as of the last [`Self::take`] or [`Self::ask`].
-    pub fn running(&self) -> Option<Running> {
-        self.running
     }
 
     pub fn failure(&self) -> Option<(&R, &JobError)> {

@@ -1,7 +1,7 @@
 //! Explanations of a detection: the spectrum of slopes, the survey of candidates and the false rate by decoys, the
 //! losses of features whose truth is known, the fate of single places and candidates, and the shares of the frames.
 
-use super::trail::trail_and_rest;
+use super::caches::trail_and_rest;
 use super::{BurstId, Caches, DetectionSource, JobError, MatchRequest, Request, Work};
 use crate::detector::{Detection, ParamChange, Slope, Test};
 use crate::inspect::ProbeCache;

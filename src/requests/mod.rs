@@ -18,12 +18,11 @@ mod open;
 mod picture;
 mod source;
 mod study;
-mod trail;
 
-pub use caches::Caches;
 #[cfg(test)]
 pub(crate) use caches::PictureCache;
 pub(crate) use caches::locked;
+pub use caches::{Caches, DetectionSource, Trails};
 pub use comparison::{ComparedWith, ComparisonRequest, Differences, ReferenceSource};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest, next_commands,
@@ -50,7 +49,6 @@ pub use picture::{PictureAnswer, PictureRequest, Preview};
 pub use request::{JobError, JobId, PossibleShape, Request, Running, Urgency, Work, time_left};
 pub use source::BurstSource;
 pub use study::{ComparedPoses, PosesRequest, ReadTrajectory, StudyRequest, TrajectorySource, Which};
-pub use trail::{DetectionSource, Trails};
 
 use std::sync::Arc;
 

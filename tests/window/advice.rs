@@ -17,7 +17,7 @@ fn apply_all(window: &mut Window, what: &str) -> Vec<SearchParams> {
         let sentence = window.read().slope_judgement().expect("shown").sentence.clone();
         window.click("Apply slopes").settle();
         let now = searched(window);
-        let messages = window.model().shell.messages.errors();
+        let messages = &window.model().shell.messages.errors;
         assert!(messages.is_empty(), "{what}: {sentence}: {messages:?}");
         assert!(!set.contains(&now), "{what}: {sentence}: leads back to {:?}", now.slopes);
         assert!(window.read().features_are_current(burstscope::app::document::side::Side::A), "{what}");

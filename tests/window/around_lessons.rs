@@ -205,7 +205,7 @@ fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
     assert!(window.shows("mine.toml, line 6") && window.shows("captoin"));
     fs::write(&file, good).unwrap();
     window.will_choose(folder.path()).run_action("open lessons").wait("the list", |app| app.lessons.list_is_open);
-    assert!(window.model().shell.messages.errors().is_empty(), "the mistake is mended");
+    assert!(window.model().shell.messages.errors.is_empty(), "the mistake is mended");
     window.steps(5).click("Lesson: My own").settle();
     assert!(window.read().is_in_lesson(), "it is open");
     assert!(window.shows("First") && window.shows("Step 1 of 1"));

@@ -116,7 +116,7 @@ fn every_way_to_another_burst_drops_the_mask() {
         set_mask(&mut window, &mask);
         way(&mut window, &cube).settle();
         let model = window.model();
-        assert!(model.shell.messages.errors().is_empty(), "{name}: {:?}", model.shell.messages.errors());
+        assert!(model.shell.messages.errors.is_empty(), "{name}: {:?}", model.shell.messages.errors);
         assert_eq!(model.document.calibration.mask, None, "{name}");
         assert!(window.shows("The mask of slider is not used here."), "{name}");
     }
@@ -157,7 +157,7 @@ fn a_refused_calibration_changes_nothing_and_other_bursts_still_open() {
     assert_eq!(window.document().calibration.times, None);
     open(&mut window, &cube);
     let model = window.model();
-    assert_eq!((Read::of(model).frame_count(), model.shell.messages.errors()), (4, &[][..]), "it opens");
+    assert_eq!((Read::of(model).frame_count(), &model.shell.messages.errors[..]), (4, &[][..]), "it opens");
     let open = model.results.slots.a.burst.as_ref().unwrap();
     assert_eq!(open.source, BurstSource::Paths(vec![cube]));
 }
@@ -175,7 +175,7 @@ fn a_step_back_takes_times_back_and_says_so() {
     assert_eq!(names(&window), Some(TimesChoice::Names));
     window.ctrl(Key::Z).settle();
     assert_eq!(names(&window), None);
-    assert_eq!(window.model().shell.messages.last_note(), Some("Undone: Times"));
+    assert_eq!(window.model().shell.messages.note.as_deref(), Some("Undone: Times"));
     window.run_action("redo").settle();
     assert_eq!(names(&window), Some(TimesChoice::Names));
     window.ctrl(Key::Z).settle();

@@ -63,8 +63,8 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
     window.click("Side by side").settle();
     let model = window.model();
     assert_eq!(model.document.workspace, Workspace::Pair);
-    assert_eq!(dataset(&window).place_of(model.results.slots.a.burst.as_ref()), Some(0));
-    assert_eq!(dataset(&window).place_of(model.results.slots.b.burst.as_ref()), Some(2));
+    assert_eq!(Read::of(model).place_of(Side::A), Some(0));
+    assert_eq!(Read::of(model).place_of(Side::B), Some(2));
     assert_eq!(model.results.slots.b.burst.as_ref().unwrap().burst.name, "frame_012");
 }
 

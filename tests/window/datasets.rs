@@ -250,7 +250,7 @@ fn a_session_brings_the_dataset_back() {
     click_burst(&mut window, "Use frame_012 as B");
     let other = window.kept_and_opened_in_another(&file);
     assert_eq!((chosen(&other), dataset(&other).bursts.len()), ([None, Some(2)], 3));
-    assert_eq!(dataset(&other).place_of(other.results().slots.a.burst.as_ref()), Some(1));
+    assert_eq!(Read::of(other.model()).place_of(Side::A), Some(1));
 }
 
 #[test]

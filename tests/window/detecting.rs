@@ -111,7 +111,7 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     assert!(!has_all(&window));
     window.change(|document| document.auto_detect = true).settle();
     assert!(!has_all(&window), "what was cancelled is not begun again by itself");
-    assert!(window.model().shell.messages.errors().is_empty(), "a person did not want it");
+    assert!(window.model().shell.messages.errors.is_empty(), "a person did not want it");
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn drawn(panel: Drawing, model: Model) -> Harness<'static, (Model, Vec<Action>)>
     let draw = move |ui: &mut Ui, (model, pushed): &mut (Model, Vec<Action>)| {
         let mut queue = Queue::default();
         panel(ui, Read::of(model), &mut queue);
-        pushed.extend(queue);
+        pushed.extend(queue.0);
     };
     Harness::builder().with_size([900.0, 700.0]).build_ui_state(draw, (model, Vec::new()))
 }

@@ -86,7 +86,7 @@ fn nothing_about_slopes_stands_on_the_screen_twice() {
 #[test]
 fn a_cursor_that_leaves_the_slope_on_show_says_why_and_the_first_one_does_not() {
     let mut window = Start::first([1280.0, 800.0]).open();
-    assert_eq!(window.model().shell.messages.last_note(), None);
+    assert_eq!(window.model().shell.messages.note, None);
     let before = window.document().cursor().slope;
     window.change(|document| document.params.slopes = SlopeGrid::line(0.5..=1.5, 5).into()).settle();
     assert_ne!(window.document().cursor().slope, before);

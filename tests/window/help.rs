@@ -151,7 +151,7 @@ fn figures_of_the_paper_are_made_in_the_background_and_can_be_cancelled() {
     window.click("Cancel figures");
     let said = |words: &'static str| {
         move |app: &burstscope::app::BurstscopeApp| {
-            app.model.shell.messages.last_note().is_some_and(|n| n.contains(words))
+            app.model.shell.messages.note.as_ref().is_some_and(|n| n.contains(words))
         }
     };
     window.wait("they are cancelled", said("cancelled"));
@@ -161,7 +161,7 @@ fn figures_of_the_paper_are_made_in_the_background_and_can_be_cancelled() {
     let app = window.app_mut();
     app.model.results.figures.ask(&app.engine, job);
     window.wait("it is there", said("index.html"));
-    assert!(out.join("fig9.svg").is_file() && window.model().shell.messages.errors().is_empty());
+    assert!(out.join("fig9.svg").is_file() && window.model().shell.messages.errors.is_empty());
 }
 
 #[test]

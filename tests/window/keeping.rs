@@ -91,7 +91,7 @@ fn a_session_that_says_nothing_of_panes_begins_as_a_burst_that_is_opened() {
     let text = format!("version = 4\nburst = \"demo\"\ndetected = true\n{truth}");
     fs::write(&file, text).unwrap();
     window.will_choose(&file).run_action("open session").settle();
-    assert!(window.model().shell.messages.errors().is_empty(), "{:?}", window.model().shell.messages.errors());
+    assert!(window.model().shell.messages.errors.is_empty(), "{:?}", window.model().shell.messages.errors);
     let cursor = pane(&window).cursor;
     assert_eq!((cursor.frame, opened.cursor.frame), (5, 5));
     assert_ne!(cursor.slope, Slope::default(), "that with most features");
@@ -365,7 +365,7 @@ fn what_is_open_is_never_written_over() {
         window.will_choose(file).run_action("picture as png").wait_for_error();
         assert!(window.shows("files that were opened are never written to"));
         assert!(fs::read(file).unwrap() == before);
-        let id = window.model().shell.messages.errors()[0].id;
+        let id = window.model().shell.messages.errors[0].id;
         window.app_mut().model.shell.messages.dismiss(id);
     }
     // Another file beside it is written.

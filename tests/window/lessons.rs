@@ -246,7 +246,7 @@ fn play_at(name: &str, size: [f32; 2]) {
     for (place, step) in lesson.steps.iter().enumerate() {
         let what = format!("{name} at {size:?}, step {} '{}'", place + 1, step.title);
         window.settle();
-        let errors = format!("{:?}", window.model().shell.messages.errors());
+        let errors = format!("{:?}", window.model().shell.messages.errors);
         let open = window.app().lessons.open.as_ref().unwrap_or_else(|| panic!("{what}: the lesson was left"));
         assert!(open.step == place && open.is_ready, "{what}: {} {errors}", open.step);
         assert!(!open.is_done(), "{what}: done before anything was tried");
@@ -267,11 +267,7 @@ fn play_at(name: &str, size: [f32; 2]) {
         let open = window.app().lessons.open.as_ref().expect("open");
         assert!(open.is_done(), "{what}: {:?} was done, and not noticed", task.goal);
         assert!(window.shows("✔ Done"), "{what}");
-        assert!(
-            window.model().shell.messages.errors().is_empty(),
-            "{what}: {:?}",
-            window.model().shell.messages.errors()
-        );
+        assert!(window.model().shell.messages.errors.is_empty(), "{what}: {:?}", window.model().shell.messages.errors);
         if KEY_STEPS.contains(&(name, place + 1)) && size == SIZES[0] {
             window.snapshot(&format!("lesson_{}", name.replace('-', "_")));
         }

@@ -148,7 +148,7 @@ fn a_session_of_when_methods_were_a_workspace_compares_them() {
     let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
     other.will_choose(&file).run_action("open session").settle();
     let [before, after] = [&window, &other].map(|window| window.document().clone());
-    let (errors, panes) = (other.model().shell.messages.errors(), toml::to_string(&after.panes));
+    let (errors, panes) = (&other.model().shell.messages.errors, toml::to_string(&after.panes));
     assert!(after.compares_methods() && after.workspace == Workspace::Inspect, "{errors:?} {panes:?}");
     assert_eq!((after.panes.arrangement(), after.bottom_tab), (before.panes.arrangement(), BottomTab::Methods));
     assert!(other.shows("Match score"), "the table is open");

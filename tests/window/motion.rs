@@ -23,7 +23,7 @@ fn one_count_of_the_features_at_this_slope() {
         here > Read::of(model).features().iter().filter(by_own).count(),
         "places that move so have features of other slopes"
     );
-    let note = model.shell.messages.last_note().expect("a note").to_owned();
+    let note = model.shell.messages.note.clone().expect("a note");
     assert!(note.starts_with(&format!("Most features ({here}) are at slope (")), "{note}");
     let total = Read::of(model).features().len();
     window.click_on(Role::CheckBox, "At this slope").settle();

@@ -360,7 +360,7 @@ fn a_burst_too_short_for_decoys_says_why_each_time() {
     window.settle();
     for _ in 0..2 {
         press(&mut window, "False rate…");
-        let errors = window.model().shell.messages.errors();
+        let errors = &window.model().shell.messages.errors;
         assert!(errors.iter().any(|error| format!("{error:?}").contains("4 or more")), "{errors:?}");
         assert!(window.read().decoys().is_none());
     }

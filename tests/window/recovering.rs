@@ -88,9 +88,9 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
         other.will_choose(&path).run_action("open files").settle();
         let model = other.model();
         assert_eq!(model.results.slots.a.burst.as_ref().expect("open").burst.sources, std::slice::from_ref(&path));
-        assert!(!model.shell.messages.errors().iter().any(|error| error.text.contains("passwd")));
+        assert!(!model.shell.messages.errors.iter().any(|error| error.text.contains("passwd")));
     }
-    let errors = other.model().shell.messages.errors();
+    let errors = &other.model().shell.messages.errors;
     assert!(errors.iter().any(|error| error.text.contains("hostile.burstcase")), "{errors:?}");
 }
 
@@ -99,7 +99,7 @@ fn a_damaged_case_opens_a_window_that_says_so_once() {
     let (_home, path) = folder_with("damaged.burstcase");
     fs::write(&path, b"PK\x03\x04 and no more").expect("written");
     let mut window = Start::of(&path).open();
-    let errors = window.model().shell.messages.errors();
+    let errors = &window.model().shell.messages.errors;
     assert!(errors.len() == 1 && errors[0].text.contains("damaged.burstcase"), "{errors:?}");
     assert!(window.results().slots.a.burst.is_none());
     window.run_action("Open demo burst").settle();

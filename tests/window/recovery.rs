@@ -177,7 +177,7 @@ fn a_session_that_could_not_be_written_is_written_later() {
     // A file in the place of the folder: nothing can be written there.
     fs::rename(&folder, &aside).unwrap();
     fs::write(&folder, "").unwrap();
-    window.slide("Slope u", 0.75).wait("that is said", |app| !app.model.shell.messages.errors().is_empty());
+    window.slide("Slope u", 0.75).wait("that is said", |app| !app.model.shell.messages.errors.is_empty());
     assert!(window.shows("Save the session by itself"));
     fs::remove_file(&folder).unwrap();
     // The next attempt may have made a new folder just now.
@@ -188,7 +188,7 @@ fn a_session_that_could_not_be_written_is_written_later() {
         sessions(&folder).iter().any(|session| session.document.panes.of(Side::A).cursor.slope == Slope::new(0.75, 0.0))
     };
     window.wait("it is written though nothing has changed since", is_kept);
-    window.wait("the message goes", |app| app.model.shell.messages.errors().is_empty());
+    window.wait("the message goes", |app| app.model.shell.messages.errors.is_empty());
     end_in_the_ordinary_way(window);
 }
 

@@ -281,7 +281,7 @@ impl Window {
 
     /// Runs the window until it says an error.
     pub fn wait_for_error(&mut self) -> &mut Self {
-        self.wait("a message", |app| !app.model.shell.messages.errors().is_empty())
+        self.wait("a message", |app| !app.model.shell.messages.errors.is_empty())
     }
 
     /// Clicks a button (or another clickable widget) with this text.

@@ -72,7 +72,7 @@ fn each_method_takes_the_edited_parameters_in_its_own_way() {
     assert_eq!(MethodId::Sift.params(&sift), sift);
     assert_eq!(MethodId::Buff1d.params(&sift).peak_threshold, 0.01);
     for method in MethodId::ALL {
-        assert!(!method.help().is_empty());
+        assert!(!method.words()[1].is_empty());
         assert_eq!(method.params(&plane).validate(), Ok(()));
     }
 }

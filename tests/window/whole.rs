@@ -176,7 +176,7 @@ fn readouts(window: &Window) -> Vec<(String, bool)> {
 fn the_slope_of_features_is_said_with_their_own() {
     let mut window = open();
     window.key(Key::B).settle();
-    let note = window.model().shell.messages.last_note().expect("a note").to_owned();
+    let note = window.model().shell.messages.note.clone().expect("a note");
     assert!(note.contains(" by their own slope"), "{note}");
     let model = window.model();
     let found = model.results.slots.a.found.as_ref().unwrap();

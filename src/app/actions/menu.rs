@@ -400,7 +400,7 @@ mod tests {
         assert!(is_possible(&set, Read::of(&model)));
         let mut queue = Queue::default();
         set_or_show(doc::FIRST_OCTAVE, Some("-1"), Read::of(&model), &mut queue);
-        let Some(Action::Change(changes)) = queue.into_iter().next() else { panic!("it is set") };
+        let Some(Action::Change(changes)) = queue.0.into_iter().next() else { panic!("it is set") };
         assert_eq!(changes, [ParamChange::new(doc::FIRST_OCTAVE, -1)]);
         let wrong = Entry::Parameter(doc::FIRST_OCTAVE, Some("99".to_owned()));
         assert!(

@@ -2,7 +2,7 @@
 //! is on.
 
 use super::when;
-use crate::app::apply::{change, comparison, dataset_answers, datasets, opening, pair, panes, probe, studies};
+use crate::app::apply::{change, comparison, datasets, opening, pair, panes, probe, studies};
 use crate::app::document::cursor::{snapped, stepped};
 use crate::app::document::{Cursor, Document, ExportKind, Purpose, Reference, Side, Visibility};
 use crate::app::measure::Tool;
@@ -361,13 +361,13 @@ actions! {
 
     DetectAll, Dataset 0, "Detect all", [CTRL D], "Find the features of all bursts that are not done yet, with these parameters" => Change(datasets::ask_and_detect_all), when |model| model.results.datasets.can_detect(model.asked().validate().is_ok());
     CancelDataset, Dataset 0, "Cancel work on the dataset", [], "Stop the work on all bursts; finished bursts and pairs are kept" => Run(|model, _| model.results.datasets.wanted.cancel()), when |model| model.results.datasets.work.is_some();
-    PreviousBurst, Dataset 1, "Previous burst", [CTRL ArrowLeft], "Open the burst before this one" => Run(|model, engine| dataset_answers::step_burst(model, -1, engine)), when when::has_dataset;
-    NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one" => Run(|model, engine| dataset_answers::step_burst(model, 1, engine)), when when::has_dataset;
-    BurstAsA, Dataset 1, "Use burst as A", [], "Make the open burst the first of a pair" => Run(|model, _| dataset_answers::choose_open_burst(model, Side::A)), when when::is_in_dataset;
-    BurstAsB, Dataset 1, "Use burst as B", [], "Make the open burst the second of a pair" => Run(|model, _| dataset_answers::choose_open_burst(model, Side::B)), when when::is_in_dataset;
+    PreviousBurst, Dataset 1, "Previous burst", [CTRL ArrowLeft], "Open the burst before this one" => Run(|model, engine| datasets::step_burst(model, -1, engine)), when when::has_dataset;
+    NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one" => Run(|model, engine| datasets::step_burst(model, 1, engine)), when when::has_dataset;
+    BurstAsA, Dataset 1, "Use burst as A", [], "Make the open burst the first of a pair" => Run(|model, _| datasets::choose_open_burst(model, Side::A)), when when::is_in_dataset;
+    BurstAsB, Dataset 1, "Use burst as B", [], "Make the open burst the second of a pair" => Run(|model, _| datasets::choose_open_burst(model, Side::B)), when when::is_in_dataset;
     MatchPairs, Dataset 2, "Match pairs", [CTRL M], "Match all pairs, or each burst with the next few, as chosen" => Run(datasets::match_pairs), when when::can_match_pairs;
     MatchSelected, Dataset 2, "Match A with B", [], "Match the two bursts chosen as A and B" => Run(datasets::match_selected), when |model| when::has_chosen(model) && when::can_match_pairs(model);
-    ShowPair, Dataset 2, "A and B side by side", [CTRL_SHIFT M], "Show the two bursts chosen as A and B, with their matches" => Run(dataset_answers::show_selected_pair), when when::has_chosen;
+    ShowPair, Dataset 2, "A and B side by side", [CTRL_SHIFT M], "Show the two bursts chosen as A and B, with their matches" => Run(datasets::show_selected_pair), when when::has_chosen;
     ExportDatabase, Dataset 2, "Export COLMAP database…", [], "Write images, features, matches and verified geometries of all bursts as COLMAP's mapper takes them" => Ask(Purpose::ExportDatabase), when when::can_export_database;
     OpenEstimate, Dataset 3, "Open estimated trajectory…", [], "Open a sparse model of COLMAP (any file of it), or a trajectory file" => Ask(Purpose::OpenTrajectory(Which::Estimate));
     OpenSecond, Dataset 3, "Open second estimate…", [], "Open another estimated trajectory, such as that of another method, to compare it with the first and the truth" => Ask(Purpose::OpenTrajectory(Which::Second));

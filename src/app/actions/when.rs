@@ -98,8 +98,7 @@ pub fn has_dataset(model: Read<'_>) -> bool {
 }
 
 pub fn is_in_dataset(model: Read<'_>) -> bool {
-    let open = model.results.datasets.open.as_ref();
-    open.is_some_and(|dataset| dataset.place_of(model.burst_of(Side::A)).is_some())
+    model.place_of(Side::A).is_some()
 }
 
 pub fn has_chosen(model: Read<'_>) -> bool {

@@ -2,7 +2,7 @@
 //! requested. What is missing, each part says as a value of what is set and found (`Read`); what an answer changes stands
 //! in this room, as it may move a cursor or a selection too.
 
-use crate::app::apply::{comparison, dataset_answers, detection, explained, methods, pair, panes, probe, studies};
+use crate::app::apply::{comparison, datasets, detection, explained, methods, pair, panes, probe, studies};
 use crate::app::document::Side;
 use crate::app::results::{Effect, Matches, MethodFound, Model, Read, Results};
 use crate::engine::{Ended, Engine, Want, Wanted};
@@ -190,21 +190,16 @@ macro_rules! one {
     };
 }
 
-/// Makes a [`One`] that the user asks for: nothing is missing by itself.
-macro_rules! asked {
-    (@|$r:ident| $wanted:expr, $take:expr $(, $take_partial:expr)?) => {
-        one!(@false, |$r| $wanted, |_, _| None, $take $(, $take_partial)?)
-    };
-    (|$r:ident| $wanted:expr, |$to:ident, $ended:ident| $take:expr $(, $take_partial:expr)?) => {
-        one!(false, |$r| $wanted, |_, _| None, |$to, $ended| $take $(, $take_partial)?)
-    };
+/// Of requests that the user asks for nothing is missing by itself.
+fn nothing<R>(_: Read<'_>, _: bool) -> Option<R> {
+    None
 }
 
 /// The one list. Pictures are asked for before the detection from which later ones may be made.
 #[rustfmt::skip]
 const PARTS: &[&dyn Part] = &[
-    asked!(@|r| r.slots.a.opening, |_, ended, _| vec![Effect::Opened(Side::A, ended)]),
-    asked!(@|r| r.slots.b.opening, |_, ended, _| vec![Effect::Opened(Side::B, ended)]),
+    one!(@false, |r| r.slots.a.opening, nothing, |_, ended, _| vec![Effect::Opened(Side::A, ended)]),
+    one!(@false, |r| r.slots.b.opening, nothing, |_, ended, _| vec![Effect::Opened(Side::B, ended)]),
     &PanePictures,
     one!(false, |r| r.patches.wanted, |m, _| m.missing_stack(), |m, ended| panes::take_stack(m, ended)),
     one!(false, |r| r.patches.wanted_in_focus, |m, drags| m.missing_in_focus(drags), |m, ended| m.results.patches.in_focus = m.shell.messages.answer(ended.result, "Loupe").or(m.results.patches.in_focus.take())),
@@ -213,8 +208,8 @@ const PARTS: &[&dyn Part] = &[
     one!(false, |r| r.probed.wanted_trail, |m, drags| m.missing_trail(drags), |m, ended| probe::take_probed_trail(m, ended)),
     one!(false, |r| r.probed.wanted_answer, |m, _| m.missing_probe(), |m, ended| probe::take_probed(m, ended)),
     one!(false, |r| r.pair.matching, |m, drags| m.missing_matches(drags), |m, ended| pair::take_matches(m, ended)),
-    asked!(|r| r.compare.opening_gold.a, |m, ended| methods::take_gold(m, Side::A, ended)),
-    asked!(|r| r.compare.opening_gold.b, |m, ended| methods::take_gold(m, Side::B, ended)),
+    one!(false, |r| r.compare.opening_gold.a, nothing, |m, ended| methods::take_gold(m, Side::A, ended)),
+    one!(false, |r| r.compare.opening_gold.b, nothing, |m, ended| methods::take_gold(m, Side::B, ended)),
     &Methods,
     one!(true, |r| r.explained.asked_slopes, |m, _| m.missing_slopes(), |m, ended| explained::take_explained(m, ended)),
     one!(true, |r| r.explained.asked_candidates, |m, _| m.missing_candidates(), |m, ended| explained::take_explained(m, ended)),
@@ -226,13 +221,13 @@ const PARTS: &[&dyn Part] = &[
     one!(false, |r| r.pair.lost.wanted, |m, _| m.missing_losses(), |m, ended| pair::take_losses(m, ended)),
     one!(false, |r| r.pair.lost.pricing, |m, _| m.missing_price(), |m, ended| m.results.pair.lost.priced = ended.result.ok().or(m.results.pair.lost.priced.take())),
     one!(false, |r| r.studies.wanted_chart, |m, _| m.missing_chart(), |m, ended| studies::take_chart(m, ended)),
-    asked!(|r| r.studies.wanted, |m, ended| studies::take_study(m, ended), |m, report| studies::take_part_of_study(m, report)),
+    one!(false, |r| r.studies.wanted, nothing, |m, ended| studies::take_study(m, ended), |m, report| studies::take_part_of_study(m, report)),
     one!(true, |r| r.preview.wanted, |m, _| m.results.preview.missing(), |m, ended| m.results.preview.take(ended)),
     one!(true, |r| r.shape.wanted, |m, _| m.results.shape.missing(), |m, ended| m.results.shape.take(ended)),
     one!(true, |r| r.folder.wanted, |m, _| m.results.folder.missing(), |m, ended| m.results.folder.take(ended)),
-    asked!(|r| r.figures, |m, ended| studies::take_figures(m, ended)),
-    asked!(|r| r.poses.reading, |m, ended| studies::take_trajectories(m, ended)),
-    asked!(@|r| r.datasets.wanted, |m, ended, engine| dataset_answers::take_dataset_answer(m, ended, engine), |m, event| dataset_answers::take_dataset_event(m, &event)),
+    one!(false, |r| r.figures, nothing, |m, ended| studies::take_figures(m, ended)),
+    one!(false, |r| r.poses.reading, nothing, |m, ended| studies::take_trajectories(m, ended)),
+    one!(@false, |r| r.datasets.wanted, nothing, |m, ended, engine| datasets::take_dataset_answer(m, ended, engine), |m, event| datasets::take_dataset_event(m, &event)),
 ];
 
 impl<'a> Read<'a> {

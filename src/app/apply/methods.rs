@@ -79,7 +79,6 @@ mod tests {
     use crate::app::apply::bench::open;
     use crate::app::apply::opening;
     use crate::app::apply::pair::tests::pair;
-
     use crate::app::document::CompareLook;
     use crate::app::results::Matches;
     use crate::app::results::compare::*;

@@ -6,7 +6,6 @@ pub mod asking;
 pub mod bench;
 pub mod change;
 pub mod comparison;
-pub mod dataset_answers;
 pub mod datasets;
 pub mod detection;
 pub mod explained;
@@ -34,8 +33,7 @@ pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> 
     match action {
         Action::Point(pointed) => point_at(model, pointed),
         Action::Stage(staged) => return staged::take_staged(model, staged, engine).into_iter().collect(),
-        Action::Do(ActionId::Undo) => staged::undo(model, engine),
-        Action::Do(ActionId::Redo) => staged::redo(model, engine),
+        Action::Do(id @ (ActionId::Undo | ActionId::Redo)) => staged::take_step(model, id == ActionId::Undo, engine),
         action => {
             let before = model.document.clone();
             let effects = applied(action, model, engine);
@@ -59,7 +57,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
             if Read::of(model).settings_are_of(Side::A).is_some() {
                 options = options.with_burst_of(&OpenOptions::default());
             }
-            datasets::look_at_dataset(model, source, None, options, engine);
+            opening::look_at_dataset(model, source, None, options, engine);
         }
         A::UseFeatureFolder(folder) => datasets::use_feature_folder(model, folder, engine),
         A::OpenGold(side, source) => methods::open_gold(model, side, source, engine),
@@ -69,14 +67,14 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         }
         A::OpenTrajectory(which, path) => studies::open_trajectory(model, which, Some(path), engine),
         A::CloseTrajectory(which) => studies::open_trajectory(model, which, None, engine),
-        A::OpenBurstAt(place) => dataset_answers::open_burst_at(model, place, engine),
+        A::OpenBurstAt(place) => datasets::open_burst_at(model, place, engine),
         A::CutOpenBurst(length) => datasets::cut_open_burst(model, length, engine),
         A::Calibrate(options) => return vec![opening::calibrate(model, options, engine)],
         A::TakeLeftBehind(uses) => opening::take_left_behind(model, uses, engine),
         A::DetectAllAnyway => datasets::detect_all(model, engine),
         A::SetPoseStudy(study) => studies::set_pose_study(model, study, engine),
-        A::OpenCamera(label) => dataset_answers::look_at_camera(model, &label, None, engine),
-        A::OpenFeature(label, index) => dataset_answers::look_at_camera(model, &label, Some(index), engine),
+        A::OpenCamera(label) => datasets::look_at_camera(model, &label, None, engine),
+        A::OpenFeature(label, index) => datasets::look_at_camera(model, &label, Some(index), engine),
         A::Note(text) => model.shell.messages.note(text),
         A::DismissMessage(id) => model.shell.messages.dismiss(id),
         A::ColourBy(by) => {
@@ -126,7 +124,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
 }
 
 fn do_row(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
-    let focus = model.document.focus();
+    let (focus, mut cursor) = (model.document.focus(), *model.document.cursor());
     match id.action().does {
         Some(Does::Ask(purpose)) => return Some(Effect::Ask(purpose)),
         Some(Does::Open(source)) => _ = opening::open(model, Side::A, source(), engine),
@@ -134,16 +132,14 @@ fn do_row(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
         Some(Does::Workspace(workspace)) => model.document.open_workspace(workspace),
         Some(Does::Switch { turn: set, .. } | Does::Set(set)) => set(&mut model.document),
         Some(Does::Slope(of)) => {
-            let slope = of(&Read::of(model).cursor_params().slopes, model.document.cursor().slope);
+            let slope = of(&Read::of(model).cursor_params().slopes, cursor.slope);
             model.document.paused().show_slope(focus, slope);
         }
         Some(Does::Frame(go)) => {
-            let mut cursor = *model.document.cursor();
             go(&mut cursor);
             model.document.paused().show_frame(focus, cursor.frame);
         }
         Some(Does::Scale(go)) => {
-            let mut cursor = *model.document.cursor();
             go(&mut cursor);
             model.document.paused().show_scale(focus, cursor.octave, cursor.level);
         }

@@ -1,14 +1,15 @@
-//! Opening a burst: what is left behind for the next one, calibration, and the panes that begin with it.
+//! Opening a burst (what is left behind for the next one, calibration, and the panes that begin with it), or a dataset.
 
-use crate::app::apply::{comparison, datasets, pair, panes, params, probe};
+use crate::app::apply::{comparison, pair, panes, params, probe};
 use crate::app::document::{Cursor, Filter, Side};
-use crate::app::results::{Effect, Model, Own, Read};
+use crate::app::results::{Effect, Model, Own, Read, Work};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::Slopes;
 use crate::engine::{Ended, Engine};
-use crate::requests::{BurstSource, JobError, JobId, OpenBurst, OpenRequest};
+use crate::requests::{BurstSource, DatasetRequest, JobError, JobId, OpenBurst, OpenRequest};
 use crate::teach::Workspace;
+use std::path::PathBuf;
 
 /// Takes a burst that was opened, or says why it was not. With `is_restoring` a session goes on with it.
 #[must_use]
@@ -35,7 +36,7 @@ pub(in crate::app) fn take_opening(
     slot.refused = slot.burst.is_none().then(|| source.clone());
     match (error, side, source) {
         (JobError::Several(_), Side::A, BurstSource::Paths(paths)) if !is_restoring => {
-            datasets::look_at_dataset(model, DatasetSource::of_bursts(paths), None, options, engine);
+            look_at_dataset(model, DatasetSource::of_bursts(paths), None, options, engine);
         }
         (JobError::Several(bursts), Side::B, _) if !is_restoring => return vec![Effect::Choose(Side::B, bursts)],
         (JobError::NoShape(_, shapes), side, source) if !is_restoring => {
@@ -62,7 +63,7 @@ fn take_opened(
     options: OpenOptions,
     engine: &Engine,
 ) -> Option<Effect> {
-    let dataset = model.results.datasets.open.as_ref().filter(|dataset| dataset.place_of(Some(&burst)).is_some());
+    let dataset = model.results.datasets.open.as_ref().filter(|dataset| dataset.place_of(&burst.source).is_some());
     let recent = match dataset {
         Some(dataset) => {
             dataset.name_as_here(&mut burst);
@@ -119,7 +120,7 @@ fn take_calibration(model: &mut Model, options: OpenOptions, is_again: bool, eng
         model.shell.history.close_step(&model.document, false);
     }
     if is_again && is_changed {
-        datasets::look_at_dataset_again(model, engine);
+        look_at_dataset_again(model, engine);
     }
 }
 
@@ -148,7 +149,7 @@ pub(in crate::app) fn open(model: &mut Model, side: Side, source: BurstSource, e
     let options = pending.map_or_else(|| read.calibration_of(side).clone(), |request| request.options.clone());
     let before = read.settings_are_of(side).filter(|before| !is_open && !read.are_one(before, &source));
     let own = before.map(|before| read.own(before, side));
-    let options = match model.results.datasets.open.as_ref().filter(|dataset| dataset.has(&source)) {
+    let options = match model.results.datasets.open.as_ref().filter(|dataset| dataset.place_of(&source).is_some()) {
         Some(dataset) => dataset.open.clone(),
         None if own.is_some() => options.with_burst_of(&OpenOptions::default()),
         None => options,
@@ -206,10 +207,30 @@ pub(in crate::app) fn calibrate(model: &mut Model, options: OpenOptions, engine:
             // No frames refuse them.
             None if side == Side::A => {
                 model.document.calibration = options;
-                datasets::look_at_dataset_again(model, engine);
+                look_at_dataset_again(model, engine);
             }
             None => {}
         }
     }
     Effect::ForgetThumbnails
+}
+
+/// Opens a dataset in the background; the open one stays until then. Without a folder the features are kept beside
+/// the bursts. A single long sequence is first offered for cutting.
+pub(in crate::app) fn look_at_dataset(
+    model: &mut Model,
+    source: DatasetSource,
+    folder: Option<PathBuf>,
+    open: OpenOptions,
+    engine: &Engine,
+) {
+    let params = Read::of(model).asked();
+    model.results.datasets.begin(Work::Opening, DatasetRequest::Open { source, folder, params, open }, engine);
+}
+
+pub(in crate::app) fn look_at_dataset_again(model: &mut Model, engine: &Engine) {
+    if let Some(dataset) = &model.results.datasets.open {
+        let options = model.document.calibration.clone();
+        look_at_dataset(model, dataset.source.clone(), dataset.folder.clone(), options, engine);
+    }
 }

@@ -1,10 +1,9 @@
 //! Parameters that are checked against the open bursts, and the cursors that are brought into their range.
 
 use crate::app::document::Side;
-use crate::app::results::{Model, Read};
+use crate::app::results::{Model, Read, Slot};
 use crate::detector::{DetectorParams, Method, Slope, SlopeGrid};
 use crate::error::Error;
-use crate::requests::OpenBurst;
 
 pub fn check_params(model: &mut Model) {
     let auto = model.document.params.slopes.is_auto();
@@ -12,7 +11,7 @@ pub fn check_params(model: &mut Model) {
         let params = Read::of(model).params_of(side);
         let slot = &mut model.results.slots[side];
         if side == Side::A || slot.burst.is_some() {
-            slot.param_error = checked(slot.burst.as_ref(), params, auto, &mut slot.usable_params);
+            slot.param_error = checked(slot, params, auto);
         }
     }
     model.results.pair.param_error = model.document.matching.validate().err();
@@ -37,13 +36,9 @@ fn check_cursors(model: &mut Model) {
     model.document.panes.follow_cursor(focus, before);
 }
 
-/// Checks `params` against `burst`. Returns why they are invalid, and keeps the last valid ones in `usable`.
-fn checked(
-    burst: Option<&OpenBurst>,
-    mut params: DetectorParams,
-    slopes_are_found: bool,
-    usable: &mut DetectorParams,
-) -> Option<Error> {
+/// Checks `params` against the burst of `slot`. Returns why they are invalid, and keeps the last valid ones as usable.
+fn checked(slot: &mut Slot, mut params: DetectorParams, slopes_are_found: bool) -> Option<Error> {
+    let (burst, usable) = (slot.burst.as_ref(), &mut slot.usable_params);
     let check = |params: &DetectorParams| match burst {
         Some(open) => params.validate_for(&open.burst.positions, open.burst.size()),
         None => params.validate(),
@@ -55,9 +50,7 @@ fn checked(
     let error = check(&params).err();
     if error.is_none() {
         *usable = params;
-    } else if let Some(open) = burst
-        && usable.validate_for(&open.burst.positions, open.burst.size()).is_err()
-    {
+    } else if let Some(open) = burst.filter(|_| check(usable).is_err()) {
         // Valid for any burst whose frames are not tiny.
         let method = if open.burst.len() <= 1 { Method::Sift } else { Method::Buff };
         *usable = DetectorParams { method, ..DetectorParams::default() };

@@ -16,17 +16,11 @@ pub fn clear_probe(model: &mut Model) {
 /// A question about a feature, or a sample on another grid, becomes one about the best candidate at its place.
 fn take_trail(model: &mut Model, traced: Traced) {
     let slopes = |traced: &Traced| traced.cache.params().used_slopes();
-    let same_grid = model.results.probed.traced.as_ref().is_some_and(|before| slopes(before) == slopes(&traced));
-    if let (Some(ProbeQuestion::At { wanted, .. }), Some(_)) =
+    if let (Some(ProbeQuestion::At { wanted, .. }), Some(before)) =
         (model.document.probe.question, &model.results.probed.traced)
+        && !(matches!(wanted, ProbeSubject::Candidate(_)) && slopes(before) == slopes(&traced))
     {
-        look_at(
-            model,
-            match wanted {
-                ProbeSubject::Candidate(sample) if same_grid => ProbeSubject::Candidate(sample),
-                _ => ProbeSubject::Best,
-            },
-        );
+        look_at(model, ProbeSubject::Best);
     }
     (model.results.probed.traced, model.results.probed.problem) = (Some(traced), None);
 }

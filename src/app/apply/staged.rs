@@ -116,25 +116,19 @@ fn read_named(model: &mut Model, engine: &Engine) -> Option<Effect> {
     studies::read_trajectories(model, engine);
     match model.document.dataset.clone() {
         Some(DatasetChoice { source, folder, .. }) => {
-            datasets::look_at_dataset(model, source, folder, model.document.calibration.clone(), engine);
+            opening::look_at_dataset(model, source, folder, model.document.calibration.clone(), engine);
             None
         }
         None => Some(datasets::close_dataset(model)),
     }
 }
 
-pub fn undo(model: &mut Model, engine: &Engine) {
-    step(model, "Undone", History::undo, engine);
-}
-
-pub fn redo(model: &mut Model, engine: &Engine) {
-    step(model, "Redone", History::redo, engine);
-}
-
-/// Takes a step. The note about it replaces one about the settings that are no longer set.
-fn step(model: &mut Model, what: &str, step: fn(&mut History, &mut Document) -> Option<OpenOptions>, engine: &Engine) {
+/// Takes a step back or forward. The note about it replaces one about the settings that are no longer set.
+pub(super) fn take_step(model: &mut Model, is_back: bool, engine: &Engine) {
     let before = model.document.clone();
-    let calibration = step(&mut model.shell.history, &mut model.document);
+    let (history, document) = (&mut model.shell.history, &mut model.document);
+    let (what, calibration) =
+        if is_back { ("Undone", history.undo(document)) } else { ("Redone", history.redo(document)) };
     params::check_params(model);
     let calibration = calibration.unwrap_or_else(|| before.calibration.clone());
     let changed = Document { calibration: calibration.clone(), ..model.document.clone() }.changed_from(&before);

@@ -1,10 +1,9 @@
 //! Laws of actions: any list of them leaves a valid document, which is the same after it was written and read, and
 //! undo and redo return to what was.
 
-use super::apply;
 use crate::app::actions::registry::{ACTIONS, ActionId, Menu};
 use crate::app::apply::bench::{Bench, open};
-use crate::app::apply::{methods, opening, pair, params, staged};
+use crate::app::apply::{apply, methods, opening, pair, params, staged};
 use crate::app::document::journal::read_steps;
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, Destination, Document, Journal, Pointed, Side};
@@ -226,8 +225,8 @@ fn a_plane_keeps_the_slopes_that_were_found_and_one_step_back_returns_to_them() 
     assert!(apply(ActionId::Preset2d.into(), &mut model, &engine).is_empty());
     model.shell.history.close_step(&model.document, false);
     assert_eq!(model.document.params.slopes, SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5).into());
-    staged::undo(&mut model, &engine);
+    staged::take_step(&mut model, true, &engine);
     assert!(model.document.params == asked && !model.shell.history.can_undo());
-    staged::redo(&mut model, &engine);
+    staged::take_step(&mut model, false, &engine);
     assert!(model.document.params.slopes.given().is_some_and(|grid| grid.is_plane()));
 }

@@ -28,7 +28,7 @@ pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
 
 pub fn filmstrip_ui(ui: &mut Ui, model: Read<'_>, thumbnails: &mut Thumbnails, queue: &mut Queue) {
     ui.horizontal(|ui| header_ui(ui, model, queue));
-    let shown = model.results.datasets.open.as_ref().and_then(|d| d.place_of(model.burst_of(Side::A)));
+    let shown = model.place_of(Side::A);
     let fraction = model.results.datasets.burst_fraction();
     let Some(dataset) = &model.results.datasets.open else { return };
     ui.add_space(2.0);
@@ -144,7 +144,7 @@ fn summary(dataset: &Dataset) -> String {
 
 pub fn working_ui(ui: &mut Ui, datasets: &Datasets) {
     let Some(work) = datasets.work else { return };
-    let running = datasets.wanted.running();
+    let running = datasets.wanted.running;
     let fraction = running.and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
     let text = running.as_ref().map_or_else(|| work.title().to_owned(), progress_text);
     let bar = ui.add(ProgressBar::new(fraction).desired_width(280.0).text(text));

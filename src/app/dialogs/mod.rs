@@ -77,14 +77,10 @@ pub mod free_desktop {
     /// Time in which a portal answers: the bus itself waits as long for a service that it starts.
     const PATIENCE: Duration = Duration::from_secs(25);
 
-    /// Whether the portal on `session_bus` has a file chooser, or a folder of `search_path` has `zenity`.
-    pub fn shows_dialogs(
-        session_bus: zbus::Result<zbus::connection::Builder<'_>>,
-        search_path: Option<&OsStr>,
-    ) -> bool {
-        pollster::block_on(portal_chooses_files(session_bus)).is_ok()
-            || search_path
-                .is_some_and(|path| std::env::split_paths(path).any(|folder| is_program(&folder.join("zenity"))))
+    /// Whether the portal on `bus`, that of the session, has a file chooser, or a folder of `search_path` has `zenity`.
+    pub fn shows_dialogs(bus: zbus::Result<zbus::connection::Builder<'_>>, search_path: Option<&OsStr>) -> bool {
+        let has_zenity = |path| std::env::split_paths(path).any(|folder| is_program(&folder.join("zenity")));
+        pollster::block_on(portal_chooses_files(bus)).is_ok() || search_path.is_some_and(has_zenity)
     }
 
     /// Asks the portal for the version of its file chooser. A portal without a desktop behind it has none.

@@ -85,7 +85,7 @@ impl PathField {
             }
         });
         let asked = stays.then_some(asked);
-        queue.set(model.results.folder.asked(), asked, |asked| Pointed::Folder(asked).into());
+        queue.set(&model.results.folder.asked, asked, |asked| Pointed::Folder(asked).into());
         (accepted, stays)
     }
 }

@@ -63,7 +63,7 @@ impl ShapeDialog {
         let parsed = |path| self.text.trim().parse().map(|dump| ShapeRequest { path, dump, limits });
         let chosen: Option<Result<ShapeRequest, String>> = path.clone().map(parsed);
         let asked = chosen.as_ref().and_then(|chosen| chosen.clone().ok());
-        queue.set(model.results.shape.asked(), asked, |asked| Pointed::Shape(asked).into());
+        queue.set(&model.results.shape.asked, asked, |asked| Pointed::Shape(asked).into());
         let (path, chosen) = path.zip(chosen)?;
         let on_show = model.results.shape.on_show(&chosen);
         let (mut accepts, mut stays) = (false, true);

@@ -314,7 +314,7 @@ mod or_none {
 
 /// Actions of a pass, in the order in which they were asked for.
 #[derive(Debug, Default)]
-pub struct Queue(Vec<Action>);
+pub struct Queue(pub Vec<Action>);
 
 impl Queue {
     pub fn push(&mut self, action: impl Into<Action>) {
@@ -349,15 +349,6 @@ impl Queue {
 
     pub fn asked(&self) -> impl Iterator<Item = ActionId> {
         self.0.iter().filter_map(|action| if let Action::Do(id) = action { Some(*id) } else { None })
-    }
-}
-
-impl IntoIterator for Queue {
-    type Item = Action;
-    type IntoIter = std::vec::IntoIter<Action>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.0.into_iter()
     }
 }
 

@@ -18,12 +18,9 @@ choices! {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Comparison {
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub with: Option<Reference>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
     /// Parameters of the pinned result: where that is not kept, the detection is repeated, which gives the same bits.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub pinned: Option<SearchParams>,
     pub hidden: Vec<Compared>,
     pub selected: Option<usize>,

@@ -40,7 +40,6 @@ with_defaults! {
         /// Number of these next bursts, 1 or more.
         pub overlap: usize = 3,
         /// Number of others, 1 or more, with which each burst is matched that look most alike; `None` for another rule.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         pub alike: Option<usize>,
     }
 }
@@ -59,7 +58,6 @@ impl PairChoice {
 #[serde(deny_unknown_fields)]
 pub struct DatasetChoice {
     pub source: DatasetSource,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub folder: Option<PathBuf>,
     /// Places of the bursts chosen as A and as B.
     #[serde(default)]
@@ -95,11 +93,8 @@ impl DatasetChoice {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Trajectories {
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub estimate: Option<PathBuf>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub second: Option<PathBuf>,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<PathBuf>,
     pub study: PoseStudy,
     pub projection: Projection,

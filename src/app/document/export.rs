@@ -133,10 +133,6 @@ impl ExportKind {
         self.words().0
     }
 
-    pub fn label(self) -> &'static str {
-        self.words().1
-    }
-
     /// Word for the content in suggested names of files; `None` for a picture, which has that of its kind.
     pub fn content(self) -> Option<&'static str> {
         Some(self.words().2).filter(|content| !content.is_empty())
@@ -195,7 +191,7 @@ impl Purpose {
             Self::SaveSession => "Save the session",
             Self::LoadParams => "Load parameters",
             Self::SaveParams => "Save parameters",
-            Self::Export(kind) => kind.label(),
+            Self::Export(kind) => kind.words().1,
         }
     }
 

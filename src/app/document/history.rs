@@ -38,14 +38,12 @@ impl Document {
         let records = doc::ALL.into_iter().filter(|record| !(is_switched && ranges.contains(record)));
         let changed = records.filter(|record| record.text(now.0) != record.text(was.0));
         let mut names: Vec<&str> = changed.map(|record| record.label).collect();
+        let timeless = |options: &OpenOptions| OpenOptions { times: None, ..options.clone() };
         let others = [
             (now.1 != was.1, "Matching"),
             (now.3 != was.3, "Places"),
             (now.2.times != was.2.times, "Times"),
-            (
-                OpenOptions { times: None, ..now.2.clone() } != OpenOptions { times: None, ..was.2.clone() },
-                "Calibration",
-            ),
+            (timeless(now.2) != timeless(was.2), "Calibration"),
             (self.slopes_on_show() != before.slopes_on_show(), "Slope on show"),
         ];
         names.extend(others.into_iter().filter(|(differ, _)| *differ).map(|(_, name)| name));

@@ -140,12 +140,10 @@ pub fn read_steps(text: &str) -> Result<Steps, String> {
         let problem = format!("its version is {version}, this program reads {VERSION}; give version = {VERSION}");
         return Err(wrong(&problem));
     }
-    let sessions = written.did.iter().flatten().filter_map(|action| match action {
-        Action::Restore(session) => Some(session),
-        _ => None,
-    });
-    for session in sessions {
-        session.check().map_err(|error| wrong(&format!("restore: {error}")))?;
+    for action in written.did.iter().flatten() {
+        if let Action::Restore(session) = action {
+            session.check().map_err(|error| wrong(&format!("restore: {error}")))?;
+        }
     }
     Ok(written.did)
 }

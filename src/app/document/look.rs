@@ -5,7 +5,6 @@
 use crate::app::defaults::with_defaults;
 use crate::app::words::choices;
 use crate::detector::params::Bounds;
-use crate::error::Error;
 use crate::plane::display::{ColourMap, Display};
 use crate::requests::PictureAnswer;
 pub use crate::requests::RangeClass;
@@ -34,39 +33,50 @@ with_defaults! {
 /// Percentiles of a picture that are black and white.
 const PERCENTILES: [f32; 2] = [0.1, 99.9];
 
-impl Ranges {
-    pub fn display(&self, class: RangeClass) -> Display {
-        let mut own = *self;
-        *own.display_mut(class)
-    }
+/// The classes that have a range of their own.
+const CLASSES: [RangeClass; 6] = {
+    use RangeClass::*;
+    [Frame, Intensity, Response, Difference, Noise, Share]
+};
 
-    pub fn display_mut(&mut self, class: RangeClass) -> &mut Display {
+impl Ranges {
+    /// Range of a class, and whether it was set; that is no question where the range is known beforehand.
+    fn of(&mut self, class: RangeClass) -> (&mut Display, Option<&mut bool>) {
         match class {
-            RangeClass::Frame => &mut self.frame,
-            RangeClass::Intensity => &mut self.intensity,
-            RangeClass::Response => &mut self.response,
-            RangeClass::Difference => &mut self.difference,
-            RangeClass::Noise => &mut self.noise,
-            RangeClass::Share | RangeClass::Motion => &mut self.share,
+            RangeClass::Frame => (&mut self.frame, Some(&mut self.frame_fixed)),
+            RangeClass::Intensity => (&mut self.intensity, Some(&mut self.intensity_fixed)),
+            RangeClass::Response => (&mut self.response, Some(&mut self.response_fixed)),
+            RangeClass::Difference => (&mut self.difference, Some(&mut self.difference_fixed)),
+            RangeClass::Noise => (&mut self.noise, Some(&mut self.noise_fixed)),
+            RangeClass::Share | RangeClass::Motion => (&mut self.share, None),
         }
     }
 
+    pub fn display(mut self, class: RangeClass) -> Display {
+        *self.of(class).0
+    }
+
+    pub fn display_mut(&mut self, class: RangeClass) -> &mut Display {
+        self.of(class).0
+    }
+
     pub fn forget(&mut self) {
-        (self.frame_fixed, self.intensity_fixed, self.response_fixed) = (false, false, false);
-        (self.difference_fixed, self.noise_fixed) = (false, false);
+        CLASSES.into_iter().for_each(|class| self.set_fixed(class, false));
+    }
+
+    fn set_fixed(&mut self, class: RangeClass, is_fixed: bool) {
+        self.of(class).1.into_iter().for_each(|fixed| *fixed = is_fixed);
     }
 
     /// Sets the range of the picture's class from its percentiles, unless it was set since the burst was opened.
     pub fn fix_once(&mut self, picture: &PictureAnswer) {
         self.propose(picture);
-        if let Some(fixed) = self.fixed_mut(RangeClass::of(&picture.request)) {
-            *fixed = true;
-        }
+        self.set_fixed(RangeClass::of(&picture.request), true);
     }
 
     /// Sets the range of the picture's class from its percentiles, but lets another picture set it again.
     pub fn propose(&mut self, picture: &PictureAnswer) {
-        if self.fixed_mut(RangeClass::of(&picture.request)).is_some_and(|fixed| !*fixed) {
+        if self.of(RangeClass::of(&picture.request)).1.is_some_and(|fixed| !*fixed) {
             self.take_percentiles(picture);
         }
     }
@@ -81,30 +91,15 @@ impl Ranges {
     pub fn forget_that_of(&mut self, picture: &PictureAnswer) {
         let class = RangeClass::of(&picture.request);
         let display = self.display(class);
-        if display == display.over_percentiles(&picture.drawn, PERCENTILES)
-            && let Some(fixed) = self.fixed_mut(class)
-        {
-            *fixed = false;
-        }
-    }
-
-    /// `None` for a class whose range is known beforehand.
-    fn fixed_mut(&mut self, class: RangeClass) -> Option<&mut bool> {
-        match class {
-            RangeClass::Frame => Some(&mut self.frame_fixed),
-            RangeClass::Intensity => Some(&mut self.intensity_fixed),
-            RangeClass::Response => Some(&mut self.response_fixed),
-            RangeClass::Difference => Some(&mut self.difference_fixed),
-            RangeClass::Noise => Some(&mut self.noise_fixed),
-            RangeClass::Share | RangeClass::Motion => None,
+        if display == display.over_percentiles(&picture.drawn, PERCENTILES) {
+            self.set_fixed(class, false);
         }
     }
 
     /// The ranges with all displays made valid: a file may contain any values.
     #[must_use]
     pub fn sanitised(mut self) -> Self {
-        use RangeClass::{Difference, Frame, Intensity, Noise, Response, Share};
-        for class in [Frame, Intensity, Response, Difference, Noise, Share] {
+        for class in CLASSES {
             *self.display_mut(class) = self.display(class).sanitised();
         }
         self
@@ -147,12 +142,5 @@ with_defaults! {
         pub legend: bool = true,
         /// σ of the Gaussian by which pictures are smoothed for looking at them, input pixels; 0 for none.
         pub smoothing_px: f32,
-    }
-}
-
-impl Look {
-    /// Checks the numbers that decide how long a picture takes. Others are brought into their ranges.
-    pub fn check(&self) -> Result<(), Error> {
-        SMOOTHING_PX.check("smoothing_px", f64::from(self.smoothing_px))
     }
 }

@@ -45,10 +45,6 @@ impl MethodId {
         self.words()[0]
     }
 
-    pub fn help(self) -> &'static str {
-        self.words()[1]
-    }
-
     /// Everything but the method and, for BuFF, the shape of the grid of slopes stays.
     pub fn params(self, edited: &DetectorParams) -> DetectorParams {
         let (slopes_1d, slopes_2d) = (line_of(edited.slopes), plane_of(edited.slopes));
@@ -93,7 +89,6 @@ with_defaults! {
     pub struct CompareLook {
         pub methods: Vec<MethodId> = MethodId::ALL.to_vec(),
         /// Peak thresholds of the methods, from charts; each method has that of the search where there is none.
-        #[serde(skip_serializing_if = "Option::is_none")]
         pub same_false_rate: Option<SameFalseRate>,
     }
 }

@@ -51,7 +51,6 @@ pub struct Document {
     pub workspace: Workspace,
     /// Options with which A is opened, and B too unless it has its own.
     pub calibration: OpenOptions,
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration_of_b: Option<OpenOptions>,
     /// They may be invalid while they are edited.
     pub params: SearchParams,

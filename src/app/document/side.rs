@@ -45,10 +45,7 @@ impl<T> Index<Side> for Sides<T> {
     type Output = T;
 
     fn index(&self, side: Side) -> &T {
-        match side {
-            Side::A => &self.a,
-            Side::B => &self.b,
-        }
+        self.both()[side as usize]
     }
 }
 

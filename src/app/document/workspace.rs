@@ -1,8 +1,7 @@
 //! The workspaces, a record each: which bursts are on show, and what keys and panels that all of them have do there.
 
-use super::Document;
 use crate::app::document::panes::{Change, Tool};
-use crate::app::document::{FeaturesShown, Side};
+use crate::app::document::{Document, FeaturesShown, Side};
 use crate::app::pane::{PaneGroup, PaneId, Preset, SidesPreset};
 use crate::teach::Workspace;
 

@@ -273,7 +273,7 @@ pub fn figure_ui(ctx: &Context, is_open: &mut bool, (model, widgets): (Read<'_>,
     });
     queue.edit(model.document, Action::SetFigure(choice));
     let asked = asked.filter(|_| *is_open);
-    queue.set(model.results.preview.asked(), asked, |asked| Pointed::Figure(asked.map(Box::new)).into());
+    queue.set(&model.results.preview.asked, asked, |asked| Pointed::Figure(asked.map(Box::new)).into());
 }
 
 /// Draws the last preview that was made, until that of `figure` is there, or why there is none.

@@ -86,7 +86,7 @@ fn content_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     if let Some(before) = pane.method {
         ui.menu_button(format!("Method: {}", before.label()), |ui| {
             for one in model.methods_shown() {
-                let radio = ui.radio(one == before, one.label()).on_hover_text(one.help());
+                let radio = ui.radio(one == before, one.label()).on_hover_text(one.words()[1]);
                 queue.push_if(radio.clicked() && one != before, Action::SetMethod(id, one));
             }
         });
@@ -176,7 +176,7 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: Read<'_>, widgets: &mut Pane
             }
             if let Some(readout) = &place.readout {
                 let value = format!("Copy value {}", number(readout.value, 4));
-                copy_ui(ui, &value, || clipboard::value_text(readout));
+                copy_ui(ui, &value, || readout.value.to_string());
                 let at = format!("Copy place ({})", clipboard::place_text(readout));
                 copy_ui(ui, &at, || clipboard::place_text(readout));
             }

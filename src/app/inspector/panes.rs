@@ -54,7 +54,7 @@ fn second_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         ui.label(RichText::new("Open a second burst").size(18.0).strong());
         weak_ui(ui, "of the same place: its features are matched with those of the first");
         ui.add_space(12.0);
-        if let Some(running) = model.results.slots.b.opening.running() {
+        if let Some(running) = model.results.slots.b.opening.running {
             progress_ui(ui, &running, Some(220.0), "Opening B…");
             return;
         }

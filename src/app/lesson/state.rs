@@ -139,7 +139,7 @@ impl Lessons {
     }
 
     pub fn is_settled(&self, model: Read<'_>) -> bool {
-        let failed = !model.shell.messages.errors().is_empty();
+        let failed = !model.shell.messages.errors.is_empty();
         self.open.as_ref().is_none_or(|open| open.is_ready || failed)
     }
 

@@ -1,6 +1,7 @@
 //! Changes of the set of panes: splitting, closing, new layouts, sessions, and following the open bursts.
 
 use super::preset::Laid;
+use super::set::{PanesById, Placed};
 use super::{Arrangement, Content, Direction, MAX_PANES, Pane, PaneGroup, PaneId, Panes, Preset};
 use crate::app::document::Side;
 use crate::detector::DetectorParams;
@@ -65,7 +66,6 @@ impl Panes {
             let left = placed.arrangement.panes();
             placed.focus = left[at.min(left.len() - 1)];
         }
-        self.drop_unplaced();
         self.forget_missing();
     }
 
@@ -80,44 +80,32 @@ impl Panes {
             id
         };
         let ids: Vec<Vec<PaneId>> = rows.into_iter().map(|row| row.into_iter().map(&mut id_of).collect()).collect();
-        self.replace(self.open, Arrangement::rows(&ids), made, kept);
+        self.replace(self.open, Placed { arrangement: Arrangement::rows(&ids), focus: kept }, made);
     }
 
     pub fn show_alone(&mut self, id: PaneId) {
         if let Some(pane) = self.get(id).cloned() {
-            self.replace(PaneGroup::Inspect, Arrangement::Pane(id), BTreeMap::from([(id, pane)]), id);
+            self.replace(PaneGroup::Inspect, Placed::alone(id), BTreeMap::from([(id, pane)]));
         }
     }
 
     /// Invalid parts of what a session holds are left out.
-    pub(super) fn restore(
-        &mut self,
-        place: PaneGroup,
-        arrangement: Arrangement,
-        panes: BTreeMap<PaneId, Pane>,
-        focus: PaneId,
-    ) {
-        let Some(arrangement) = arrangement.sanitised(|id| panes.contains_key(&id)) else { return };
-        self.replace(place, arrangement, panes, focus);
+    pub(super) fn restore(&mut self, place: PaneGroup, Placed { arrangement, focus }: Placed, panes: PanesById) {
+        if let Some(arrangement) = arrangement.sanitised(|id| panes.contains_key(&id)) {
+            self.replace(place, Placed { arrangement, focus }, panes);
+        }
     }
 
     pub fn take_placed(&mut self, place: PaneGroup, from: &Self) {
         let panes = from.iter().map(|(id, pane)| (id, pane.clone())).collect();
-        let (arrangement, focus) = from.placed_in(place);
-        self.restore(place, arrangement.clone(), panes, focus);
+        self.restore(place, from.placed[place as usize].clone(), panes);
     }
 
-    pub(super) fn replace(
-        &mut self,
-        place: PaneGroup,
-        arrangement: Arrangement,
-        panes: BTreeMap<PaneId, Pane>,
-        focus: PaneId,
-    ) {
+    /// The first pane gets the focus where that of `placed` is not among those shown.
+    pub(super) fn replace(&mut self, place: PaneGroup, Placed { arrangement, focus }: Placed, panes: PanesById) {
         let shown = arrangement.panes();
-        let placed = &mut self.placed[place as usize];
-        placed.focus = if shown.contains(&focus) { focus } else { shown[0] };
-        placed.arrangement = arrangement;
+        let focus = if shown.contains(&focus) { focus } else { shown[0] };
+        self.placed[place as usize] = Placed { arrangement, focus };
         for (id, pane) in panes.into_iter().filter(|(id, _)| shown.contains(id)) {
             // A file may hold larger ids than those in use.
             self.next = self.next.max(id.0.saturating_add(1));
@@ -127,16 +115,13 @@ impl Panes {
                 None => _ = self.more.insert(id, pane),
             }
         }
-        self.drop_unplaced();
         self.forget_missing();
     }
 
-    fn drop_unplaced(&mut self) {
+    /// Drops the panes that no arrangement has, and forgets those that panes subtract or overlay.
+    fn forget_missing(&mut self) {
         let Self { more, placed, .. } = self;
         more.retain(|id, _| placed.iter().any(|placed| placed.arrangement.panes().contains(id)));
-    }
-
-    pub(super) fn forget_missing(&mut self) {
         let ids: Vec<PaneId> = self.iter().map(|(id, _)| id).collect();
         for id in ids {
             let beside = self.beside(id);
@@ -153,7 +138,8 @@ impl Panes {
     pub fn close_side(&mut self, side: Side) {
         for place in PaneGroup::ALL {
             if place == PaneGroup::Pair {
-                self.replace(place, Arrangement::sides(), BTreeMap::new(), PaneId::of(side.other()));
+                let placed = Placed { arrangement: Arrangement::sides(), focus: PaneId::of(side.other()) };
+                self.replace(place, placed, BTreeMap::new());
                 continue;
             }
             for id in self.placed[place as usize].arrangement.panes() {
@@ -162,8 +148,7 @@ impl Panes {
                 }
             }
             if self.get(self.placed[place as usize].focus).is_some_and(|pane| pane.side == side) {
-                let other = PaneId::of(side.other());
-                self.replace(place, Arrangement::Pane(other), BTreeMap::new(), other);
+                self.replace(place, Placed::alone(PaneId::of(side.other())), BTreeMap::new());
             }
         }
     }

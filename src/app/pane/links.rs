@@ -2,6 +2,7 @@
 //! which two panes show the same of the scene.
 
 use super::{Over, Pane, PaneId, Panes};
+use crate::app::defaults::with_defaults;
 use crate::app::document::Cursor;
 use crate::app::view::View;
 use crate::app::words::choices;
@@ -22,18 +23,14 @@ choices! {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct PaneLinks {
-    pub view: bool,
-    pub display: bool,
-    pub cursor: bool,
-    pub place: bool,
-}
-
-impl Default for PaneLinks {
-    fn default() -> Self {
-        Self { view: true, display: true, cursor: true, place: true }
+with_defaults! {
+    #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(default)]
+    pub struct PaneLinks {
+        pub view: bool = true,
+        pub display: bool = true,
+        pub cursor: bool = true,
+        pub place: bool = true,
     }
 }
 

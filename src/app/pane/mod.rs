@@ -92,7 +92,7 @@ impl Over {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Pane {
     pub side: Side,
@@ -109,16 +109,9 @@ pub struct Pane {
     pub over: Option<Over>,
 }
 
-impl Default for Pane {
-    fn default() -> Self {
-        Self::new(Side::A)
-    }
-}
-
 impl Pane {
     pub fn new(side: Side) -> Self {
-        let (content, cursor, view, links) = (Content::default(), Cursor::default(), View::fit(), PaneLinks::default());
-        Self { side, method: None, content, cursor, slope_chosen: false, view, own_ranges: None, links, over: None }
+        Self { side, ..Self::default() }
     }
 
     pub fn show(&mut self, kind: ViewKind) {

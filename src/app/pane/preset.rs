@@ -1,11 +1,11 @@
 //! Presets of *One burst*, of its methods, and of *Two bursts*; panes of methods come and go as these are switched.
 
+use super::set::{PanesById, Placed};
 use super::{Arrangement, Content, Link, MAX_PANES, Over, Pane, PaneGroup, PaneId, Panes, SliceAxis};
 use crate::app::document::cursor::{ViewKind, level_range, nearest_on_grid, stepped};
-use crate::app::document::{Cursor, MethodId, Ranges, Side};
+use crate::app::document::{MethodId, Ranges, Side};
 use crate::app::words::choices;
 use crate::detector::{DetectorParams, Slope};
-use std::collections::BTreeMap;
 
 pub use crate::teach::Layout as Preset;
 
@@ -54,6 +54,12 @@ impl Preset {
                 (p.cursor.slope, p.slope_chosen, p.links.cursor) = (slope, true, is_linked);
             })
         };
+        let neighbours = |count: usize| {
+            let (slopes, focus) = neighbouring_slopes(base.cursor.slope, params, count);
+            // With a link, so that neighbours keep their distance as one is moved.
+            let panes = slopes.into_iter().map(|slope| at_slope(slope, true));
+            Laid { rows: in_rows(panes.collect()), focus }
+        };
         match self {
             // Methods have panes of their own.
             Self::Single | Self::Methods => Laid { rows: vec![vec![base]], focus: 0 },
@@ -67,29 +73,18 @@ impl Preset {
                 let two = two_slopes(base.cursor.slope, params).map(|slope| at_slope(slope, false));
                 Laid { rows: vec![two.to_vec()], focus: 0 }
             }
-            Self::ThreeSlopes | Self::FiveSlopes | Self::SevenSlopes | Self::NineSlopes => {
-                let count = match self {
-                    Self::ThreeSlopes => 3,
-                    Self::FiveSlopes => 5,
-                    Self::SevenSlopes => 7,
-                    _ => 9,
-                };
-                let (slopes, focus) = neighbouring_slopes(base.cursor.slope, params, count);
-                // With a link, so that neighbours keep their distance as one is moved.
-                let panes = slopes.into_iter().map(|slope| at_slope(slope, true));
-                Laid { rows: in_rows(panes.collect()), focus }
-            }
+            Self::ThreeSlopes => neighbours(3),
+            Self::FiveSlopes => neighbours(5),
+            Self::SevenSlopes => neighbours(7),
+            Self::NineSlopes => neighbours(9),
             Self::Scales => {
                 let levels = level_range(params);
                 let focus = (base.cursor.level - levels.start()).max(0) as usize;
-                let panes: Vec<Pane> = levels
-                    .map(|level| {
-                        at(&|p| {
-                            p.show(ViewKind::Dog);
-                            (p.cursor, p.links.cursor) = (Cursor { level, ..p.cursor }, true);
-                        })
-                    })
-                    .collect();
+                let show = |p: &mut Pane, level: i32| {
+                    p.show(ViewKind::Dog);
+                    (p.cursor.level, p.links.cursor) = (level, true);
+                };
+                let panes: Vec<Pane> = levels.map(|level| at(&|p| show(p, level))).collect();
                 let focus = focus.min(panes.len() - 1);
                 Laid { rows: in_rows(panes), focus }
             }
@@ -171,10 +166,8 @@ choices! {
 impl Panes {
     pub fn lay_out_sides(&mut self, preset: SidesPreset) {
         let own = Side::BOTH.map(PaneId::of);
-        let mut made = BTreeMap::new();
-        for (id, pane) in own.into_iter().zip(&self.sides) {
-            made.insert(id, Pane { over: None, content: Content::Cursor, ..pane.clone() });
-        }
+        let plain = |pane: &Pane| Pane { over: None, content: Content::Cursor, ..pane.clone() };
+        let mut made: PanesById = own.into_iter().zip(self.sides.iter().map(plain)).collect();
         let rows = match preset {
             SidesPreset::SideBySide => vec![own.to_vec()],
             SidesPreset::Stacked => own.map(|id| vec![id]).to_vec(),
@@ -197,8 +190,8 @@ impl Panes {
                 vec![own.to_vec(), vec![new]]
             }
         };
-        let focus = self.placed_in(PaneGroup::Pair).1;
-        self.replace(PaneGroup::Pair, Arrangement::rows(&rows), made, focus);
+        let focus = self.placed[PaneGroup::Pair as usize].focus;
+        self.replace(PaneGroup::Pair, Placed { arrangement: Arrangement::rows(&rows), focus }, made);
     }
 
     /// On B as well where the preset shows matches. A wipe or flip takes SIFT and BuFF 1D where these are compared.
@@ -208,7 +201,7 @@ impl Panes {
         let first = two.next();
         let second = two.find(|method| Some(*method) != first);
         let two: Vec<MethodId> = first.into_iter().chain(second).collect();
-        let mut made = BTreeMap::new();
+        let mut made = PanesById::new();
         let mut make = |panes: &mut Self, method: MethodId, side: Side| {
             let id = panes.fresh();
             made.insert(id, panes.of_method(method, side));
@@ -234,7 +227,7 @@ impl Panes {
             _ => Arrangement::rows(&in_rows(methods.iter().map(|method| make(self, *method, Side::A)).collect())),
         };
         let Some(focus) = arrangement.panes().first().copied() else { return };
-        self.replace(PaneGroup::Methods, arrangement, made, focus);
+        self.replace(PaneGroup::Methods, Placed { arrangement, focus }, made);
     }
 
     /// Adds a pane of A, and a row with B where the other methods have rows, unless there is one.

@@ -32,12 +32,20 @@ pub(super) struct Placed {
     pub(super) focus: PaneId,
 }
 
+impl Placed {
+    pub(super) fn alone(id: PaneId) -> Self {
+        Self { arrangement: Arrangement::Pane(id), focus: id }
+    }
+}
+
+pub(super) type PanesById = BTreeMap<PaneId, Pane>;
+
 /// Two panes, one a burst, are permanent. In several workspaces a pane shows the same.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "PanesFile", into = "PanesFile")]
 pub struct Panes {
     pub(super) sides: [Pane; 2],
-    pub(super) more: BTreeMap<PaneId, Pane>,
+    pub(super) more: PanesById,
     pub(super) placed: [Placed; PaneGroup::ALL.len()],
     pub open: PaneGroup,
     pub(super) next: u32,
@@ -45,18 +53,12 @@ pub struct Panes {
 
 impl Default for Panes {
     fn default() -> Self {
-        let focus = PaneId::of(Side::A);
         let mut sides = Side::BOTH.map(Pane::new);
         // A pixel position in another burst is not the same place of the scene.
         sides[Side::B as usize].links.place = false;
-        let placed = PaneGroup::ALL.map(|place| {
-            let arrangement = match place {
-                PaneGroup::Pair => Arrangement::sides(),
-                _ => Arrangement::Pane(focus),
-            };
-            Placed { arrangement, focus }
-        });
-        Self { sides, more: BTreeMap::new(), placed, open: PaneGroup::Inspect, next: 2 }
+        let mut placed = PaneGroup::ALL.map(|_| Placed::alone(PaneId::of(Side::A)));
+        placed[PaneGroup::Pair as usize].arrangement = Arrangement::sides();
+        Self { sides, more: PanesById::new(), placed, open: PaneGroup::Inspect, next: 2 }
     }
 }
 
@@ -126,11 +128,6 @@ impl Panes {
 
     pub fn arrangement(&self) -> &Arrangement {
         &self.here().arrangement
-    }
-
-    pub fn placed_in(&self, place: PaneGroup) -> (&Arrangement, PaneId) {
-        let placed = &self.placed[place as usize];
-        (&placed.arrangement, placed.focus)
     }
 
     /// Takes an arrangement in which the pointer moved panes; one with other panes is ignored.
@@ -249,7 +246,7 @@ impl TryFrom<PanesFile> for Panes {
     type Error = String;
 
     fn try_from(file: PanesFile) -> Result<Self, String> {
-        let mut all = BTreeMap::new();
+        let mut all = PanesById::new();
         for (name, pane) in file.pane {
             let id = name.parse().map_err(|_| format!("a pane is named '{name}'; give it a number"))?;
             all.insert(PaneId(id), sound(pane));
@@ -262,7 +259,7 @@ impl TryFrom<PanesFile> for Panes {
             }
         }
         for (place, placed) in PaneGroup::ALL.into_iter().zip([file.inspect, file.pair, file.methods]) {
-            panes.restore(place, placed.arrangement, all.clone(), placed.focus);
+            panes.restore(place, placed, all.clone());
         }
         // Ids are not used again, even those of panes that were left out.
         (panes.open, panes.next) = (file.open, panes.next.max(file.next));

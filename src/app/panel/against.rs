@@ -45,7 +45,7 @@ fn switch_ui(ui: &mut Ui, model: Read<'_>, side: Side, queue: &mut Queue) {
         Some(Reference::File) => _ = button_ui(ui, model, queue, ActionId::CloseFeatures, Some("Close")),
         Some(Reference::Truth) | None => {}
     }
-    if let Some(running) = &model.results.slots[side].comparison.wanted.running() {
+    if let Some(running) = &model.results.slots[side].comparison.wanted.running {
         progress_ui(ui, running, Some(220.0), &progress_text(running));
     }
 }

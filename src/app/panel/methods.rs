@@ -62,7 +62,7 @@ fn two_ui(ui: &mut Ui, model: Read<'_>, over: Over, queue: &mut Queue) {
             let list = egui::ComboBox::from_id_salt(("method", name)).selected_text(chosen.label());
             let list = list.width(ui.available_width() - 8.0).show_ui(ui, |ui| {
                 for method in &methods_shown {
-                    ui.selectable_value(&mut chosen, *method, method.label()).on_hover_text(method.help());
+                    ui.selectable_value(&mut chosen, *method, method.label()).on_hover_text(method.words()[1]);
                 }
             });
             list.response.labelled_by(label.id);
@@ -115,7 +115,7 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                         row.col(|ui| {
                             let usable = model.method_burst(method, Side::A).is_some();
                             let mut on = model.document.methods.shows(method);
-                            let tip = if usable { method.help() } else { "Open a sharp image of A's view first" };
+                            let tip = if usable { method.words()[1] } else { "Open a sharp image of A's view first" };
                             let boxed = egui::Checkbox::new(&mut on, method.label());
                             ui.spacing_mut().interact_size.y = ROW_HEIGHT;
                             let response = ui.add_enabled(usable, boxed);
@@ -146,7 +146,7 @@ fn cells(model: Read<'_>, method: MethodId) -> Vec<String> {
         snrs.sort_by(f32::total_cmp);
         snrs.get(snrs.len() / 2).map(|median| format!("{median:.1}"))
     });
-    let of_pair = PAIR_NUMBERS.map(|(.., of)| counts.and_then(|counts| of(&counts)));
+    let of_pair = PAIR_NUMBERS.map(|(.., of)| counts.map(|counts| of.text(&counts)));
     let time = |time: String| time.strip_prefix(" in ").unwrap_or("kept").to_owned();
     let time = found(Side::A).map(|f| time(in_time(f.elapsed)));
     let of_search = [count(Side::A).or(state), count(Side::B), snr];

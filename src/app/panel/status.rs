@@ -36,8 +36,8 @@ pub fn status_ui(ui: &mut Ui, model: Read<'_>, readout: Option<&str>, queue: &mu
             ui.add(Label::new(RichText::new(burst_text(model)).weak()).truncate());
             notes_ui(ui, model);
             let [a, b] = model.results.slots.both();
-            let opening = a.opening.running().map(|running| ("Opening…", running));
-            if let Some((what, running)) = opening.or(b.opening.running().map(|running| ("Opening B…", running))) {
+            let opening = a.opening.running.map(|running| ("Opening…", running));
+            if let Some((what, running)) = opening.or(b.opening.running.map(|running| ("Opening B…", running))) {
                 let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
                 let cancels = a.burst.is_some() && ui.small_button("Cancel opening").clicked();
                 queue.push_if(cancels, ActionId::Cancel);
@@ -47,17 +47,17 @@ pub fn status_ui(ui: &mut Ui, model: Read<'_>, readout: Option<&str>, queue: &mu
             let figures = "Remaking the figures of the paper";
             for (what, running, cancel, tip) in [
                 ("Coherence", model.results.coherence.running(), ActionId::Cancel, coherence),
-                ("Figures", model.results.figures.running(), ActionId::CancelFigures, figures),
+                ("Figures", model.results.figures.running, ActionId::CancelFigures, figures),
             ] {
                 let Some(running) = running else { continue };
                 queue.push_if(ui.small_button(format!("Cancel {}", what.to_lowercase())).clicked(), cancel);
                 ui.label(format!("{what}  {}", progress_text(&running))).on_hover_text(tip);
             }
             let help = "Type the path, if no dialog appeared or it cannot be used";
-            types_path = model.shell.messages.unanswered().is_some()
+            types_path = model.shell.messages.unanswered.is_some()
                 && ui.small_button("Type the path…").on_hover_text(help).clicked();
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                if let Some(note) = model.shell.messages.last_note() {
+                if let Some(note) = &model.shell.messages.note {
                     ui.add(Label::new(note).truncate());
                 }
             });
@@ -104,7 +104,7 @@ fn burst_text(model: Read<'_>) -> String {
 /// Draws the errors above all that stands below the pictures, `below` points high.
 pub fn messages_ui(ctx: &egui::Context, messages: &Messages, below: f32, queue: &mut Queue) {
     Area::new(Id::unique("messages")).anchor(Align2::RIGHT_BOTTOM, vec2(-12.0, -36.0 - below)).show(ctx, |ui| {
-        for message in messages.errors() {
+        for message in &messages.errors {
             let colour = ui.visuals().error_fg_color;
             Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, colour)).show(ui, |ui| {
                 ui.set_width(400.0);

@@ -93,7 +93,7 @@ fn decoys_ui(ui: &mut Ui, model: Read<'_>, ask: &str, told: Option<(String, Opti
     let Some(found) = model.found_of(Side::A).filter(|_| model.decoys().is_none()) else { return };
     let asked = &model.results.explained.asked_decoys;
     if asked.is_pending() {
-        let progress = asked.running().map_or_else(|| "waiting".to_owned(), |running| progress_text(&running));
+        let progress = asked.running.map_or_else(|| "waiting".to_owned(), |running| progress_text(&running));
         ui.weak(format!("Decoys: {progress}")).on_hover_text(DECOYS_HELP);
         return;
     }

@@ -75,12 +75,12 @@ fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 
 /// Running task, and the burst that it works on where there are two.
 fn activity(model: Read<'_>) -> Option<(&'static str, Running)> {
-    let [a, b] = model.results.slots.both().map(|slot| slot.detecting.running());
+    let [a, b] = model.results.slots.both().map(|slot| slot.detecting.running);
     if !model.document.workspace.shows_pair() {
         return Some(("", a?));
     }
     let in_a = a.map(|running| ("A: ", running));
-    in_a.or(b.map(|running| ("B: ", running))).or(model.results.pair.matching.running().map(|running| ("", running)))
+    in_a.or(b.map(|running| ("B: ", running))).or(model.results.pair.matching.running.map(|running| ("", running)))
 }
 
 fn pair_found_ui(ui: &mut Ui, model: Read<'_>) {

@@ -20,7 +20,7 @@ pub fn welcome_ui(ui: &mut Ui, model: Read<'_>, remembered: &Settings, lessons: 
         ui.label(RichText::new("Burstscope").size(28.0).strong());
         ui.weak("See what a burst of dark, noisy frames shows at every slope and scale");
         ui.add_space(20.0);
-        if let Some(running) = model.results.slots.a.opening.running() {
+        if let Some(running) = model.results.slots.a.opening.running {
             progress_ui(ui, &running, Some(280.0), "Opening…");
             queue.push_if(ui.button("Cancel").clicked(), ActionId::Cancel);
             return;

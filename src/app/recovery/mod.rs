@@ -82,14 +82,9 @@ impl Recovery {
     }
 
     pub fn begin(kept: Option<&KeptIn>, messages: &mut Messages) -> Option<Self> {
-        let kept = kept?;
-        Self::new(kept)
-            .inspect_err(|error| {
-                let text =
-                    format!("{error}: {}; until then, nothing can be restored after a crash", kept.folder.display());
-                messages.error(TITLE, text);
-            })
-            .ok()
+        let (kept, end) = (kept?, "until then, nothing can be restored after a crash");
+        let begun = Self::new(kept).map_err(|error| format!("{error}: {}; {end}", kept.folder.display()));
+        messages.settle(TITLE, begun)
     }
 
     /// Returns the time to wait before calling again, if nothing else happens.

@@ -45,7 +45,7 @@ impl CoherenceState {
     }
 
     pub fn running(&self) -> Option<Running> {
-        self.wanted.both().into_iter().find_map(Wanted::running)
+        self.wanted.both().into_iter().find_map(|wanted| wanted.running)
     }
 
     pub fn of(&self, detection: &Arc<Detection>) -> Option<&Arc<Vec<Judged>>> {

@@ -135,10 +135,8 @@ pub enum Effect {
     Choose(Side, Vec<BurstSource>),
     /// Asks for the shape of a file without header, which may be one of these.
     AskShape(Side, BurstSource, Vec<PossibleShape>),
-    Cut {
-        paths: Vec<PathBuf>,
-        frames: usize,
-    },
+    /// Asks how to cut the files of a burst with this many frames.
+    Cut(Vec<PathBuf>, usize),
     ReplaceFeatures,
     /// The thumbnails are of another dataset, or were made with another calibration.
     ForgetThumbnails,

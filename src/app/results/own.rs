@@ -71,7 +71,8 @@ impl<'a> Read<'a> {
 
     /// Whether what is set for one burst holds for the other: copies of one burst, and those of the open dataset.
     pub fn are_one(self, a: &BurstSource, b: &BurstSource) -> bool {
-        let in_dataset = |source| self.results.datasets.open.as_ref().is_some_and(|dataset| dataset.has(source));
+        let in_dataset =
+            |source| self.results.datasets.open.as_ref().is_some_and(|dataset| dataset.place_of(source).is_some());
         origin(a) == origin(b) || in_dataset(a) && in_dataset(b)
     }
 

@@ -21,7 +21,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Preview<R: Request<Answer = A>, A> {
     /// Request of the form, as of the last pass; `None` without a form.
-    asked: Option<R>,
+    pub asked: Option<R>,
     /// The last one that was made; a failure stays with the request.
     pub made: Option<(R, Arc<A>)>,
     pub wanted: Wanted<R>,
@@ -34,10 +34,6 @@ impl<R: Request<Answer = A>, A> Default for Preview<R, A> {
 }
 
 impl<R: Request<Answer = A>, A> Preview<R, A> {
-    pub fn asked(&self) -> &Option<R> {
-        &self.asked
-    }
-
     /// Takes the request of the form; without a form nothing is kept.
     pub fn ask(&mut self, asked: Option<R>) {
         match asked {

@@ -176,9 +176,7 @@ impl<'a> Read<'a> {
     pub fn listed_flags(self) -> Vec<bool> {
         let mut flags = vec![false; self.features().len()];
         for &i in &self.results.listed {
-            if let Some(flag) = flags.get_mut(i) {
-                *flag = true;
-            }
+            flags.get_mut(i).into_iter().for_each(|flag| *flag = true);
         }
         flags
     }

@@ -1,6 +1,7 @@
 //! Studies: the Lab's, with the curves so far and the chart on show, and that of estimated and true trajectories.
 
 use crate::app::document::{LabSet, Side, Trajectories};
+use crate::app::memo::Memo;
 use crate::app::results::Read;
 use crate::app::view::View;
 use crate::engine::Wanted;
@@ -66,7 +67,7 @@ pub struct TrajectoryResults {
     pub hovered: Option<usize>,
     pub reading: Wanted<PosesRequest>,
     /// The scene last drawn, and what it was drawn by.
-    pub kept: RefCell<Option<(Trajectories, Arc<PlaneScene>)>>,
+    pub kept: RefCell<Memo<Trajectories, Arc<PlaneScene>>>,
 }
 
 impl TrajectoryResults {
@@ -113,12 +114,7 @@ impl TrajectoryResults {
 
     pub fn scene(&self, set: &Trajectories) -> Arc<PlaneScene> {
         let by = Trajectories { view: View::fit(), selected: None, point: None, ..set.clone() };
-        let mut kept = self.kept.borrow_mut();
-        let (_, scene) = match kept.take() {
-            Some(last) if last.0 == by => kept.insert(last),
-            _ => kept.insert((by, Arc::new(PlaneScene::of(&self.compared, set)))),
-        };
-        scene.clone()
+        self.kept.borrow_mut().get(by, || Arc::new(PlaneScene::of(&self.compared, set))).clone()
     }
 }
 

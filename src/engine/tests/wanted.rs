@@ -61,7 +61,7 @@ impl Halves {
 #[test]
 fn a_request_runs_once_however_often_it_is_wanted_and_again_if_its_answer_is_still_missing() {
     let mut halves = Halves::new();
-    assert!(halves.wanted.is_settled() && halves.wanted.running().is_none());
+    assert!(halves.wanted.is_settled() && halves.wanted.running.is_none());
     for _ in 0..5 {
         halves.want(8);
     }

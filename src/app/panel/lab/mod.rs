@@ -61,7 +61,7 @@ pub fn lab_settings_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 }
 
 fn start_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    if let Some(running) = model.results.studies.wanted.running() {
+    if let Some(running) = model.results.studies.wanted.running {
         progress_ui(ui, &running, None, &progress_text(&running));
         button_ui(ui, model, queue, ActionId::CancelStudy, None);
         return;

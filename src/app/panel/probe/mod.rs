@@ -119,7 +119,7 @@ fn place_ui(ui: &mut Ui, side: Side, (index, place): (usize, &PinnedPlace), queu
 
 fn busy_ui(ui: &mut Ui, model: Read<'_>) {
     let (asked, probed) = (&model.document.probe, &model.results.probed);
-    let running = probed.wanted_trail.running().or(model.results.slots[asked.side].detecting.running());
+    let running = probed.wanted_trail.running.or(model.results.slots[asked.side].detecting.running);
     if let Some(running) = running.filter(|_| asked.is_on()) {
         let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
         progress_ui(ui, &running, None, &format!("Searching  {percent:.0} %"));

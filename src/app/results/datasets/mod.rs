@@ -62,7 +62,7 @@ impl Datasets {
     /// Finished share of the burst in work, 0 to 1, computed from the progress over all bursts.
     pub fn burst_fraction(&self) -> f32 {
         let bursts = self.open.as_ref().map_or(1, |d| d.bursts.len()) as f32;
-        let whole = self.wanted.running().and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
+        let whole = self.wanted.running.and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
         // At the end of the last burst the share is almost 1, not 0.
         (bursts * whole).min(bursts - 1e-3).fract()
     }
@@ -72,17 +72,22 @@ impl Datasets {
 const FILM_FRAMES: usize = 30;
 
 impl Read<'_> {
+    /// Place in the open dataset of the burst of a side.
+    pub fn place_of(self, side: Side) -> Option<usize> {
+        self.results.datasets.open.as_ref()?.place_of(&self.burst_of(side)?.source)
+    }
+
     pub(in crate::app) fn cut_of_open_burst(self) -> Option<Effect> {
         let open = self.burst_of(Side::A)?;
         let BurstSource::Paths(paths) = &open.source else { return None };
-        Some(Effect::Cut { paths: paths.clone(), frames: open.burst.len() })
+        Some(Effect::Cut(paths.clone(), open.burst.len()))
     }
 
     /// Whether the open burst is a film that belongs to no dataset: cutting it is offered.
     pub(in crate::app) fn is_film(self) -> bool {
         self.burst_of(Side::A).is_some_and(|open| {
-            let in_dataset = self.results.datasets.open.as_ref().is_some_and(|d| d.place_of(Some(open)).is_some());
-            matches!(open.source, BurstSource::Paths(_)) && open.burst.len() >= FILM_FRAMES && !in_dataset
+            let is_long = matches!(open.source, BurstSource::Paths(_)) && open.burst.len() >= FILM_FRAMES;
+            is_long && self.place_of(Side::A).is_none()
         })
     }
 }
@@ -123,13 +128,9 @@ impl Dataset {
         DatasetChoice { source: self.source.clone(), folder: self.folder.clone(), pair: Sides::default() }
     }
 
-    pub fn place_of(&self, open: Option<&OpenBurst>) -> Option<usize> {
-        let BurstSource::Paths(paths) = &open?.source else { return None };
-        self.bursts.iter().position(|b| b.paths == *paths)
-    }
-
-    pub fn has(&self, source: &BurstSource) -> bool {
-        matches!(source, BurstSource::Paths(paths) if self.bursts.iter().any(|burst| burst.paths == *paths))
+    pub fn place_of(&self, source: &BurstSource) -> Option<usize> {
+        let BurstSource::Paths(paths) = source else { return None };
+        self.bursts.iter().position(|burst| burst.paths == *paths)
     }
 
     /// By its picture's name, with or without folders before it, or its own name.
@@ -145,7 +146,7 @@ impl Dataset {
 
     /// Gives an open burst of the dataset its name in the dataset: the bursts of a cut sequence all lie in one folder.
     pub fn name_as_here(&self, open: &mut OpenBurst) {
-        if let Some(BurstFiles { name, .. }) = self.place_of(Some(open)).and_then(|place| self.bursts.get(place))
+        if let Some(BurstFiles { name, .. }) = self.place_of(&open.source).and_then(|place| self.bursts.get(place))
             && open.burst.name != *name
         {
             Arc::make_mut(&mut open.burst).name.clone_from(name);

@@ -114,8 +114,7 @@ pub fn lost_text(counts: &MatchCounts, steps: Option<&[(Lost, usize); 6]>) -> (S
 impl<'a> Read<'a> {
     /// Numbers of features lost at each step in a pair of the dataset, where its bursts are open and matched.
     pub fn losses_of(self, (a, b): BurstPair) -> Option<&'a [(Lost, usize); 6]> {
-        let dataset = self.results.datasets.open.as_ref()?;
-        let is_open = |side, place| dataset.place_of(self.burst_of(side)) == Some(place);
-        self.losses().filter(|_| is_open(Side::A, a) && is_open(Side::B, b)).map(|found| &found.counts)
+        let are_open = self.place_of(Side::A) == Some(a) && self.place_of(Side::B) == Some(b);
+        self.losses().filter(|_| are_open).map(|found| &found.counts)
     }
 }

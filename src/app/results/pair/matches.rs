@@ -1,34 +1,24 @@
 //! Matches of two bursts with what they were made from, the columns of their table, and their display settings.
 
-use crate::app::document::{MatchColumn, MatchLook, Order, SavedMatch, Side};
+use crate::app::document::{MatchColumn, MatchLook, Order, PairColumn, SavedMatch, Side};
 use crate::app::view::{fixed, number, signed};
 use crate::detector::quantity::Form;
 use crate::detector::{Detection, Feature};
 use crate::matching::align::Measured;
 use crate::matching::aligned::NARROW;
-use crate::matching::{Match, MatchCounts, MatchResult, TwoViewModel};
+use crate::matching::{Match, MatchResult, TwoViewModel};
 use crate::requests::{MatchRequest, Matched};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A number's name, help, and text, where there is one.
-type PairNumber = (&'static str, &'static str, fn(&MatchCounts) -> Option<String>);
-
-pub const PAIR_NUMBERS: [PairNumber; 5] = [
-    ("Putative", "Matches by descriptors alone", |counts| Some(counts.putative.to_string())),
-    ("Inliers", "Putative matches that agree with the geometry of the two views", |counts| {
-        Some(counts.inliers?.to_string())
-    }),
-    ("Match ratio", "Putative matches over keypoints, mean of A and B", |counts| {
-        share_text(Some(counts.match_ratio()))
-    }),
-    ("Match score", "Inliers over keypoints, mean of A and B", |counts| share_text(counts.match_score())),
-    ("Inlier ratio", "Inliers over putative matches", |counts| share_text(counts.inlier_ratio())),
+/// Numbers of matches with the names and helps that they have where two bursts are compared.
+pub const PAIR_NUMBERS: [(&str, &str, PairColumn); 5] = [
+    ("Putative", "Matches by descriptors alone", PairColumn::Putative),
+    ("Inliers", "Putative matches that agree with the geometry of the two views", PairColumn::Inliers),
+    ("Match ratio", "Putative matches over keypoints, mean of A and B", PairColumn::Ratio),
+    ("Match score", "Inliers over keypoints, mean of A and B", PairColumn::Score),
+    ("Inlier ratio", "Inliers over putative matches", PairColumn::InlierRatio),
 ];
-
-fn share_text(share: Option<f64>) -> Option<String> {
-    Some(format!("{:.3}", share?))
-}
 
 #[derive(Debug, Clone)]
 pub struct Matches {

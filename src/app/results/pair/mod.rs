@@ -165,8 +165,7 @@ impl<'a> Read<'a> {
 
     /// Side whose slope and scale the cursor sets now.
     pub fn active_side(self) -> Side {
-        let both = self.document.workspace.shows_pair() && self.results.slots.b.burst.is_some();
-        if both { self.document.focused().side } else { Side::A }
+        if self.shows_pair() { self.document.focused().side } else { Side::A }
     }
 
     pub fn picture_of(self, side: Side) -> Option<&'a PictureAnswer> {

@@ -62,7 +62,7 @@ pub fn tabs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 /// Draws the steps at which features of A were lost, each with its count and its switch.
 pub fn steps_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| {
-        if let Some(running) = &model.results.pair.lost.wanted.running() {
+        if let Some(running) = &model.results.pair.lost.wanted.running {
             ui.weak(progress_text(running));
             return;
         }
@@ -121,7 +121,7 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>) {
     ui.spacing_mut().item_spacing.x = 10.0;
     let counts = &matches.result.counts;
     let keypoints = format!("{} + {}", counts.keypoints_a, counts.keypoints_b);
-    let numbers = PAIR_NUMBERS.map(|(name, help, of)| (name, help, of(counts).unwrap_or_else(|| "–".to_owned())));
+    let numbers = PAIR_NUMBERS.map(|(name, help, of)| (name, help, of.text(counts)));
     for (name, help, value) in [("Keypoints", "Features of A and of B", keypoints)].into_iter().chain(numbers) {
         let text = format!("{name} {value}");
         let (name, value) = (RichText::new(name).small().weak(), RichText::new(value).strong().monospace());

@@ -1,19 +1,19 @@
-//! A session restores a view of a burst, from a TOML file. Pixels are read and features detected again, bit by bit.
+//! A session restores a view of a burst, from a TOML file: its bursts are opened first, then everything else follows.
+//! Pixels are read and features detected again, bit by bit.
 
-mod restoring;
-
-pub use restoring::{OfCase, Restoring, of_case};
-
-use super::document::{Document, Steps};
-use crate::app::document::{Comparison, Probe, Reference, SavedMatch, SavedSelection, Side};
+use crate::app::actions::ActionId;
+use crate::app::document::look::SMOOTHING_PX;
+use crate::app::document::{
+    Action, Comparison, Document, Probe, Reference, Reselect, SavedMatch, SavedSelection, Side, Sides, Staged, Steps,
+};
 use crate::app::pane::{PaneGroup, Panes};
 use crate::app::results::Read;
-use crate::detector::Slopes;
 use crate::detector::params::AUTO;
-use crate::export::case::read_session;
+use crate::detector::{SearchParams, Slopes};
+use crate::export::case::{is_case, read_about, read_session};
 use crate::matching::MatchParams;
 use crate::matching::params::doc;
-use crate::requests::BurstSource;
+use crate::requests::{BurstSource, JobId};
 use crate::teach::Workspace;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -104,8 +104,8 @@ impl Session {
             ));
         }
         let (mut session, unknown): (Self, _) = match text.parse().ok().and_then(brought_up_to_date) {
-            Some(table) => read_noting_unknown_keys(table),
-            None => toml::Deserializer::parse(text).and_then(read_noting_unknown_keys),
+            Some(table) => noting_unknown_keys(table),
+            None => toml::Deserializer::parse(text).and_then(noting_unknown_keys),
         }
         .map_err(|error| format!("this is not a session file: {error}"))?;
         if !unknown.is_empty() {
@@ -130,23 +130,16 @@ impl Session {
             checked.map_err(|error| format!("{key}: {error}"))
         }
         let document = &self.document;
-        for (key, source) in [
-            ("burst", Some(&self.burst)),
-            ("second", self.second.as_ref()),
-            ("document.gold.a", document.gold.a.as_ref()),
-            ("document.gold.b", document.gold.b.as_ref()),
-        ] {
-            named(key, source.map_or(Ok(()), BurstSource::check))?;
-        }
-        for (key, search) in [
-            ("document.params", Some(document.params.clone())),
-            ("document.comparisons.a.pinned", document.comparisons.a.pinned.clone()),
-            ("document.comparisons.b.pinned", document.comparisons.b.pinned.clone()),
-        ] {
-            named(key, search.map_or(Ok(()), |search| search.validate()))?;
-        }
+        named("burst", self.burst.check())?;
+        named("second", self.second.iter().try_for_each(BurstSource::check))?;
+        named("document.gold.a", document.gold.a.iter().try_for_each(BurstSource::check))?;
+        named("document.gold.b", document.gold.b.iter().try_for_each(BurstSource::check))?;
+        let [of_a, of_b] = document.comparisons.both().map(|of| of.pinned.iter().try_for_each(SearchParams::validate));
+        named("document.params", document.params.validate())?;
+        named("document.comparisons.a.pinned", of_a)?;
+        named("document.comparisons.b.pinned", of_b)?;
         named("document.matching", doc::ALL.iter().try_for_each(|record| record.check(&document.matching)))?;
-        named("document.look", document.look.check())?;
+        named("document.look", SMOOTHING_PX.check("smoothing_px", document.look.smoothing_px.into()))?;
         // A set-up that is not read may have any values.
         let set_up = document.set_up;
         named("document.set_up", if set_up.reads_depths { set_up.values.check() } else { Ok(()) })?;
@@ -201,6 +194,46 @@ impl Session {
             (_, shown) => shown,
         }
     }
+
+    /// Actions that follow once the burst of `side` `is_open`, or could not be opened: the one on show stays then.
+    pub fn after(&self, side: Side, is_open: bool, now: &Document) -> Vec<Action> {
+        match side {
+            Side::A => self.after_first(is_open, now),
+            Side::B if is_open => self.after_second(now),
+            Side::B => Vec::new(),
+        }
+    }
+
+    fn after_first(&self, is_open: bool, now: &Document) -> Vec<Action> {
+        let document = if is_open { self.over_first(now) } else { self.over_none(now) };
+        let selection = self.selection.filter(|_| is_open);
+        // With automatic detection the document itself leads to the request.
+        let detects = self.detected && is_open && !document.auto_detect;
+        let mut actions: Vec<Action> = vec![
+            Staged::Show(Box::new(document.clone()), Reselect::Feature(selection)).into(),
+            Staged::ReadNamed.into(),
+        ];
+        actions.extend(detects.then(|| ActionId::Detect.into()));
+        actions.extend(self.document.gold.a.clone().filter(|_| is_open).map(|gold| Action::OpenGold(Side::A, gold)));
+        match self.second.clone() {
+            Some(source) => actions.push(Staged::Reopen(Side::B, source).into()),
+            None => {
+                // A burst that is open as B does not belong to the session.
+                actions.push(ActionId::CloseB.into());
+                actions.extend(self.after_second(&document));
+            }
+        }
+        if !is_open {
+            actions.push(Action::Note("The session was restored without its burst".to_owned()));
+        }
+        actions
+    }
+
+    fn after_second(&self, now: &Document) -> Vec<Action> {
+        let gold = self.document.gold.b.clone().filter(|_| self.second.is_some());
+        let shown = Staged::Show(Box::new(self.over_second(now)), Reselect::Match(self.selected_match));
+        [shown.into()].into_iter().chain(gold.map(|gold| Action::OpenGold(Side::B, gold))).collect()
+    }
 }
 
 /// The document with absolute paths, and with usable values for invalid ones, with which no session opens again.
@@ -223,9 +256,7 @@ fn sound(project: Read<'_>) -> Document {
 }
 
 /// Unknown keys are paths: `pair.links.vews`. Types that deny unknown keys themselves fail at once.
-fn read_noting_unknown_keys<'de, T: DeserializeOwned, D: Deserializer<'de>>(
-    text: D,
-) -> Result<(T, Vec<String>), D::Error> {
+fn noting_unknown_keys<'de, T: DeserializeOwned, D: Deserializer<'de>>(text: D) -> Result<(T, Vec<String>), D::Error> {
     let mut unknown = Vec::new();
     let value = serde_ignored::deserialize(text, |path| unknown.push(path.to_string()))?;
     Ok((value, unknown))
@@ -245,4 +276,67 @@ fn brought_up_to_date(mut session: Table) -> Option<Table> {
         params.as_table_mut()?.insert("slopes".into(), auto.into());
     }
     choice.or(switch).map(|_| session)
+}
+
+/// Sessions that wait for a burst; a session is given up when something else is opened in the burst's place.
+#[derive(Debug, Default)]
+pub struct Restoring(Sides<Option<(JobId, Box<Session>)>>);
+
+impl Restoring {
+    /// Everything else is restored once the burst of `side` was opened, or could not be; until then nothing changes.
+    pub fn wait(&mut self, side: Side, opening: Option<JobId>, session: Box<Session>) {
+        self.0[side] = opening.map(|id| (id, session));
+    }
+
+    pub fn waits_for(&mut self, model: Read<'_>) -> Option<JobId> {
+        let [of_a, of_b] = model.results.slots.both().map(|slot| slot.opening.pending_id());
+        self.0.a.take_if(|(id, _)| Some(*id) != of_a);
+        self.0.b.take_if(|(id, _)| Some(*id) != of_b);
+        of_a.filter(|_| self.0.a.is_some())
+    }
+
+    pub fn take(&mut self, side: Side, opening: JobId) -> Option<Box<Session>> {
+        self.0[side].take_if(|(id, _)| *id == opening).map(|(_, session)| session)
+    }
+}
+
+/// Content of a case that is opened first.
+pub enum OfCase {
+    Session(Box<Session>),
+    /// Its search and the place asked about, and why there is no session, if that is an error.
+    Search(Vec<Action>, Option<String>),
+}
+
+/// A case is shown as it was saved: with its session, or else with its search and the place asked about. `None` for
+/// other files, and for a case that cannot be read, which is reported when it is opened.
+pub fn of_case(source: &BurstSource) -> Option<OfCase> {
+    let [path] = source.paths() else { return None };
+    let about = is_case(path).then(|| read_about(path).ok()).flatten()?;
+    let session = Session::in_case(path);
+    if let Ok(Some(session)) = session {
+        return Some(OfCase::Session(Box::new(session)));
+    }
+    let probe = about.place.map(|place| Staged::ProbeWhenOpen(source.clone(), place).into());
+    let actions = [Action::SetSearch(Box::new(about.search))].into_iter().chain(probe).collect();
+    Some(OfCase::Search(actions, session.err()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::apply::bench::{Bench, open};
+    use crate::app::apply::opening;
+
+    #[test]
+    fn a_session_is_given_up_when_something_else_is_opened() {
+        let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        opening::take_burst(&mut bench.model, open((64, 48), 5));
+        let session = Session::of(bench.read()).expect("a burst is open");
+        let first = opening::open(&mut bench.model, Side::A, BurstSource::Demo, &bench.engine);
+        restoring.wait(Side::A, Some(first), Box::new(session));
+        assert_eq!(restoring.waits_for(bench.read()), Some(first));
+        let other = opening::open(&mut bench.model, Side::A, BurstSource::DemoLater, &bench.engine);
+        assert_eq!(restoring.waits_for(bench.read()), None);
+        assert!(restoring.take(Side::A, first).is_none() && restoring.take(Side::A, other).is_none());
+    }
 }

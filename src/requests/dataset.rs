@@ -1,17 +1,13 @@
-//! Work on a whole dataset, opening, detecting and matching: long, so that each finished burst and pair is reported
+//! Work on a whole dataset, opening, detecting, matching and exporting: long, so that each finished burst and pair is reported
 //! before the answer.
-
-#[cfg(feature = "colmap")]
-mod colmap;
-
-#[cfg(feature = "colmap")]
-pub use colmap::{ColmapDone, ColmapRequest};
 
 use crate::burst::{BurstFiles, Entries, OpenOptions};
 use crate::dataset::{
     BurstCameras, BurstEvent, BurstPicture, DatasetSource, FeatureJob, FeatureStore, FinishedBurst, ImageKind,
     KeptBursts, MatchedPair, detect_all, match_pairs, thumbnail,
 };
+#[cfg(feature = "colmap")]
+use crate::dataset::{ColmapJob, ColmapReport, export_colmap, gather};
 use crate::detector::SearchParams;
 use crate::error::Error;
 use crate::files::shell_path;
@@ -104,7 +100,7 @@ request! {
         let (tell, monitor) = (work.tell, work.monitor);
         match self {
             Self::Open { source, folder, params, open } => {
-                look(source, folder, params, open, monitor).map(|open| DatasetAnswer::Opened(Box::new(open)))
+                Ok(DatasetAnswer::Opened(Box::new(OpenDataset::look(source, folder, params, open, monitor)?)))
             }
             Self::Detect { bursts, keeping } => {
                 let mut on = |event: BurstEvent<'_>| DatasetEvent::of(&event).into_iter().for_each(tell);
@@ -125,53 +121,86 @@ request! {
             }
             #[cfg(feature = "colmap")]
             Self::Colmap { bursts, request } => {
-                let done = colmap::run(&bursts, *request, tell, monitor)?;
-                Ok(DatasetAnswer::Colmap(Box::new(done)))
+                Ok(DatasetAnswer::Colmap(Box::new(export(&bursts, *request, tell, monitor)?)))
             }
         }
     }
 }
 
-fn look(
-    source: DatasetSource,
-    folder: Option<PathBuf>,
-    params: SearchParams,
-    open: OpenOptions,
-    monitor: &Monitor,
-) -> Result<OpenDataset, JobError> {
-    monitor.report(Stage::Open, 0.0);
-    let Entries { bursts, strays } = source.entries(&open)?;
-    monitor.check()?;
-    let frames_of_one = if let [one] = &bursts[..] { one.files().ok().map(|files| files.len()) } else { None };
-    let folder = folder.or_else(|| source.default_folder());
-    let (mut finished, mut folder_error, mut other_params) = (vec![None; bursts.len()], None, None);
-    // A folder that cannot be read is reported beside the open dataset, and does not keep it from opening.
-    if let Some(folder) = &folder {
-        match (Keeping { folder: folder.clone(), params: params.clone(), open: open.clone() }).store() {
-            Ok(store) => {
-                for (index, (burst, finished)) in bursts.iter().zip(&mut finished).enumerate() {
-                    monitor.check()?;
-                    monitor.report(Stage::Open, index as f32 / bursts.len() as f32);
-                    *finished = store.finished(burst);
+impl OpenDataset {
+    fn look(
+        source: DatasetSource,
+        folder: Option<PathBuf>,
+        params: SearchParams,
+        open: OpenOptions,
+        monitor: &Monitor,
+    ) -> Result<Self, JobError> {
+        monitor.report(Stage::Open, 0.0);
+        let Entries { bursts, strays } = source.entries(&open)?;
+        monitor.check()?;
+        let frames_of_one = if let [one] = &bursts[..] { one.files().ok().map(|files| files.len()) } else { None };
+        let folder = folder.or_else(|| source.default_folder());
+        let (mut finished, mut folder_error, mut other_params) = (vec![None; bursts.len()], None, None);
+        // A folder that cannot be read is reported beside the open dataset, and does not keep it from opening.
+        if let Some(folder) = &folder {
+            match (Keeping { folder: folder.clone(), params: params.clone(), open: open.clone() }).store() {
+                Ok(store) => {
+                    for (index, (burst, finished)) in bursts.iter().zip(&mut finished).enumerate() {
+                        monitor.check()?;
+                        monitor.report(Stage::Open, index as f32 / bursts.len() as f32);
+                        *finished = store.finished(burst);
+                    }
+                    other_params = FeatureStore::params_in(folder).filter(|stored| *stored != params);
                 }
-                other_params = FeatureStore::params_in(folder).filter(|stored| *stored != params);
+                Err(error) => folder_error = Some(error.to_string()),
             }
-            Err(error) => folder_error = Some(error.to_string()),
         }
+        let bursts = Arc::new(bursts);
+        Ok(Self { source, bursts, strays, frames_of_one, folder, folder_error, params, open, finished, other_params })
     }
-    let bursts = Arc::new(bursts);
-    Ok(OpenDataset {
-        source,
-        bursts,
-        strays,
-        frames_of_one,
-        folder,
-        folder_error,
-        params,
-        open,
-        finished,
-        other_params,
-    })
+}
+
+/// Export of a whole dataset for COLMAP's mapper: the work of the command `colmap`.
+#[cfg(feature = "colmap")]
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColmapRequest {
+    pub out: PathBuf,
+    /// Paths of the dataset: a file `camera.toml` in a folder there is the camera of its bursts, if `job` has none.
+    pub inputs: Vec<PathBuf>,
+    /// Folder in which the dataset's features are kept: those of the same parameters are copied, not found again.
+    pub kept: Option<PathBuf>,
+    pub job: ColmapJob,
+}
+
+#[cfg(feature = "colmap")]
+#[derive(Debug, Clone)]
+pub struct ColmapDone {
+    pub report: ColmapReport,
+    pub left_out: Vec<(String, String)>,
+}
+
+/// Bursts whose features are in the folder, or where the dataset keeps them, are not searched again.
+#[cfg(feature = "colmap")]
+fn export(
+    bursts: &[BurstFiles],
+    ColmapRequest { out, inputs, kept, mut job }: ColmapRequest,
+    tell: &dyn Fn(DatasetEvent),
+    monitor: &Monitor,
+) -> Result<ColmapDone, Error> {
+    let mut left_out = Vec::new();
+    let mut on = |event: BurstEvent<'_>| {
+        if let BurstEvent::Failed(index, error) = event {
+            left_out.push((bursts[index].name.clone(), error.to_string()));
+        }
+        DatasetEvent::of(&event).into_iter().for_each(tell);
+    };
+    job.cameras = BurstCameras::of(bursts, &inputs, &[], job.cameras.rest)?;
+    let mut store = FeatureStore::open(&out, &job.features)?;
+    if let Some(kept) = kept.filter(|kept| *kept != out && kept.is_dir()) {
+        gather(&mut store, bursts, &[kept], monitor)?;
+    }
+    let report = export_colmap(&mut store, bursts, &job, &mut on, monitor)?;
+    Ok(ColmapDone { report, left_out })
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -45,7 +45,7 @@ pub struct Compare {
 
 impl Compare {
     pub fn running(&self) -> Option<(MethodId, Running)> {
-        Some((self.asked.as_ref()?.method, self.wanted.running()?))
+        Some((self.asked.as_ref()?.method, self.wanted.running?))
     }
 
     pub fn problem(&self, method: MethodId) -> Option<&str> {
@@ -117,20 +117,14 @@ impl<'a> Read<'a> {
         let burst = self.method_burst(method, side)?.clone();
         let params = self.method_params(method, side);
         let usable = params.validate_for(&burst.burst.positions, burst.burst.size()).is_ok();
-        (usable && self.method_found(method, side).is_none()).then_some(CompareJob {
-            method,
-            side,
-            request: CompareRequest::Detect(DetectRequest { burst, params: params.into() }),
-        })
+        let request = CompareRequest::Detect(DetectRequest { burst, params: params.into() });
+        (usable && self.method_found(method, side).is_none()).then_some(CompareJob { method, side, request })
     }
 
     fn missing_matching(self, method: MethodId) -> Option<CompareJob> {
         let wanted = self.wanted_method_matches(method)?;
-        (self.results.pair.param_error.is_none() && self.method_matches(method).is_none()).then_some(CompareJob {
-            method,
-            side: Side::B,
-            request: CompareRequest::Match(wanted),
-        })
+        let is_missing = self.results.pair.param_error.is_none() && self.method_matches(method).is_none();
+        is_missing.then_some(CompareJob { method, side: Side::B, request: CompareRequest::Match(wanted) })
     }
 
     fn has_failed(self, job: &CompareJob) -> bool {
