@@ -109,6 +109,33 @@ fn blocks_that_a_codec_flattened_are_no_evidence_of_low_noise() {
 }
 
 #[test]
+fn noise_that_a_codec_or_a_filter_spreads_over_pixels_gives_next_to_nothing() {
+    let mut all = 0;
+    for (kind, sigma, level) in [
+        // Weak noise is rounded to few coarse coefficients, strong noise stays as it is.
+        ("colour-jpeg-60+noisy-half:strength=0.5", 0.02, 0.5),
+        ("jpeg-90+noisy-half", 0.005, 0.5),
+        ("colour-jpeg-90+noisy-half", 0.005, 0.15),
+        ("varying-2+jpeg-30:period=90:phase=0.75", 0.02, 0.7),
+        // The blocks that the border cuts have more noise than whole ones.
+        ("colour-jpeg-30", 0.02, 0.3),
+        ("colour-jpeg-30:phase=0.5", 0.02, 0.7),
+        // A camera that smooths spreads a hot pixel over nine.
+        ("hot-pixels+correlated", 0.02, 0.3),
+    ] {
+        let kind: NoiseKind = kind.parse().expect("a kind");
+        for seed in [31, 32] {
+            let burst = kind.burst_at(level, (484, 364), 10, sigma, seed, &quiet()).expect("a burst");
+            let features = found(&burst, NoiseModelKind::Local).features;
+            println!("{}, seed {seed}: {}", kind.name(), features.len());
+            all += features.len();
+        }
+    }
+    // Before, single bursts had hundreds.
+    assert!(all <= 20, "{all}");
+}
+
+#[test]
 fn lines_of_any_period_are_taken_off_and_what_is_not_a_whole_line_stays() {
     let mut all = 0;
     for (kind, sigma, level) in [

@@ -19,10 +19,15 @@ const FRAMES: usize = 4;
 /// Share of flat blocks from which they are no evidence of low noise.
 const MIN_FLAT: f32 = 0.25;
 /// Ratio of the shares with structure, half a block off to in place, above which the blocks are a codec's.
-const OFF_TO_IN: f32 = 1.25;
+const OFF_TO_IN: f32 = 1.2;
 const SURE: f32 = 5.0;
+/// Number of parts of an image along each axis, and number of flattened ones from which all counts as flattened.
+const PARTS: usize = 4;
+const MIN_PARTS: usize = 4;
 /// Standard deviation of a filter, pixels, above which it does not resolve blocks.
 const WIDE: f64 = 10.0;
+/// Reach of a filter at the blocks that a border cuts, pixels of its octave.
+const CUT_REACH: f32 = 4.0;
 /// Share with structure, half a block off, below which too little is left to measure the noise.
 const ENOUGH: f32 = 0.02;
 
@@ -33,6 +38,9 @@ pub struct Flattened {
     pub share: f32,
     /// Share (0 … 1) of blocks half a block off the codec's that have structure: noise is left in them.
     pub shown: f32,
+    /// Variance in the blocks that the right and the lower border cut, relative to that in whole blocks; at least 1.
+    #[serde(skip)]
+    pub(super) cut: [f32; 2],
 }
 
 impl Flattened {
@@ -45,25 +53,40 @@ impl Flattened {
         }
         let (count, looked) = (total.min(BLOCKS), frames.len().min(FRAMES));
         let frame = |i: usize| frames[i * (frames.len() - 1) / (looked - 1).max(1)];
-        let share = |off: usize| {
-            let flat = |t: usize| {
-                let place = |i: usize| {
-                    let index = i * total / count;
-                    (SIDE * (index % columns) + off, SIDE * (index / columns) + off)
-                };
-                (0..count).filter(|&i| is_flat(frame(t), place(i), step)).count()
-            };
-            (0..looked).map(flat).sum::<usize>() as f32 / (looked * count) as f32
-        };
-        let flat = share(0);
-        if flat < MIN_FLAT {
+        // By part of the image: the number of blocks, and of flat ones in place and half a block off.
+        let mut parts = [[0.0f32; 3]; PARTS * PARTS];
+        for (t, i) in (0..looked).flat_map(|t| (0..count).map(move |i| (t, i))) {
+            let index = i * total / count;
+            let (column, row) = (index % columns, index / columns);
+            let of_part = &mut parts[row * PARTS / rows * PARTS + column * PARTS / columns];
+            let flat = |off: usize| is_flat(frame(t), (SIDE * column + off, SIDE * row + off), step);
+            let [blocks, in_place, off] = of_part;
+            (*blocks, *in_place, *off) = (*blocks + 1.0, *in_place + number(flat(0)), *off + number(flat(SIDE / 2)));
+        }
+        let all = parts.iter().fold([0.0; 3], |all, part| std::array::from_fn(|i| all[i] + part[i]));
+        let [share, shown] = [all[1] / all[0], 1.0 - all[2] / all[0]];
+        // The noise of a part of the image alone may be flattened.
+        let is_codec = is_codec(&all) || parts.iter().filter(|part| is_codec(part)).count() >= MIN_PARTS;
+        if !is_codec && share < 1.0 {
             return None;
         }
-        // Flat parts of a scene are flat at any offset; a codec's blocks are flat only in place.
-        let shown = 1.0 - share(SIDE / 2);
-        let error = ((1.0 - flat) * flat / (looked * count) as f32).sqrt();
-        let is_codec = shown > OFF_TO_IN * (1.0 - flat) && shown - (1.0 - flat) > SURE * error;
-        is_codec.then_some(Self { share: flat, shown })
+        let cut = cut_to_whole(frames);
+        // Where no block has anything left, only a codec lets the cut ones change.
+        let is_codec = is_codec || cut.contains(&f32::INFINITY);
+        is_codec.then_some(Self { share, shown, cut })
+    }
+
+    /// Variance around the place (u, v) of a frame of `size`, as a filter of `octave` collects it, relative to that in
+    /// whole blocks.
+    pub(super) fn variance_at(&self, octave: i32, (u, v): (f32, f32), (width, height): (usize, usize)) -> f32 {
+        let reach = CUT_REACH * (octave as f32).exp2();
+        let along = |at: f32, n: usize, ratio: f32| {
+            let cut = (n % SIDE) as f32;
+            let is_near = cut > 0.0 && at + reach >= n as f32 - cut;
+            // A filter that is wider than the cut blocks collects less of them.
+            if is_near { 1.0 + (ratio - 1.0) * (cut / reach).min(1.0) } else { 1.0 }
+        };
+        along(u, width, self.cut[0]).max(along(v, height, self.cut[1]))
     }
 
     pub(in crate::detector) fn is_measurable(&self) -> bool {
@@ -95,6 +118,49 @@ impl Flattened {
         );
         NoiseWarning::new(WarningKind::FlattenedByCodec, self.share, text)
     }
+}
+
+/// Variance of the differences of frames in the columns and in the rows of blocks that a border cuts, relative to that
+/// in whole blocks, at least 1. A codec fills a cut block by repeating its last pixel, whose noise does not cancel.
+fn cut_to_whole(frames: &[&Plane]) -> [f32; 2] {
+    let (width, height) = frames[0].size();
+    let whole = [width / SIDE * SIDE, height / SIDE * SIDE];
+    if whole == [width, height] {
+        return [1.0; 2];
+    }
+    // Sum and number of the squares in whole blocks, in cut columns and in cut rows.
+    let mut sums = [(0.0f64, 0usize); 3];
+    for pair in frames.windows(2) {
+        for v in 0..height {
+            let (left, right) = pair[0].row(v).split_at(whole[0]);
+            let (left_next, right_next) = pair[1].row(v).split_at(whole[0]);
+            let squares = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f32>();
+            let of_left = if v < whole[1] { 0 } else { 2 };
+            for (part, sum, count) in
+                [(of_left, squares(left, left_next), left.len()), (1, squares(right, right_next), right.len())]
+            {
+                // Rows that a mask hides are NaN.
+                if sum.is_finite() {
+                    sums[part].0 += f64::from(sum);
+                    sums[part].1 += count;
+                }
+            }
+        }
+    }
+    let [whole, columns, rows] = sums.map(|(sum, count)| if sum > 0.0 { sum / count as f64 } else { 0.0 });
+    [columns, rows].map(|cut| if cut > whole { (cut / whole) as f32 } else { 1.0 })
+}
+
+fn number(is_so: bool) -> f32 {
+    f32::from(u8::from(is_so))
+}
+
+/// Whether a codec made blocks flat, of their number and that of flat ones in place and half a block off: flat parts of
+/// a scene are flat at any offset, a codec's blocks only in place.
+fn is_codec([blocks, in_place, off]: &[f32; 3]) -> bool {
+    let (flat, shown) = (in_place / blocks, 1.0 - off / blocks);
+    let error = ((1.0 - flat) * flat / blocks).sqrt();
+    flat >= MIN_FLAT && shown > OFF_TO_IN * (1.0 - flat) && shown - (1.0 - flat) > SURE * error
 }
 
 fn is_flat(frame: &Plane, (u, v): (usize, usize), step: f32) -> bool {
@@ -215,11 +281,11 @@ mod tests {
 
     #[test]
     fn strict_is_refused_with_the_reason_where_nothing_is_left() {
-        let left = Flattened { share: 0.999, shown: 0.002 };
+        let left = Flattened { share: 0.999, shown: 0.002, cut: [1.0; 2] };
         assert!(!left.is_measurable() && left.warning().text.contains("too few"));
         let refused = left.against_strict().to_string();
         assert!(refused.contains("noise-gate") && refused.contains("JPEG"), "{refused}");
-        assert!(Flattened { share: 0.96, shown: 0.1 }.is_measurable());
+        assert!(Flattened { share: 0.96, shown: 0.1, cut: [1.0; 2] }.is_measurable());
     }
 
     #[test]

@@ -136,11 +136,14 @@ pub fn examine(
     let mut model = NoiseModel { pattern_share, flattened, warnings, pattern, ..model };
     fit_brightness(&mut model, &squares, looked.len(), (quantisation_step, bit));
     // The map costs a filter at every square: it is made only where the sparse squares disagree.
-    if flattened.is_none() && differ_by_place(&squares.0, &model.transfer, squares.1) {
+    if flattened.is_some() || differ_by_place(&squares.0, &model.transfer, squares.1) {
         let lattice = Lattice::dense(frames[0].size());
         let dense = measured(&HighPass::on_lattice(&looked_planes, lattice));
-        model.excess = ExcessMap::find(&dense.0, lattice, &model.transfer, dense.1);
-        if model.excess.is_some() {
+        model.excess = match flattened {
+            Some(_) => ExcessMap::of_flattened(&dense.0, lattice),
+            None => ExcessMap::find(&dense.0, lattice, &model.transfer, dense.1),
+        };
+        if model.excess.is_some() && flattened.is_none() {
             squares = seen(dense);
         }
     }
@@ -156,6 +159,7 @@ pub fn examine(
         motion,
         variance_in: &variance_in,
         are_flattened: flattened.is_some(),
+        differs: model.excess.is_some(),
     };
     let levels = measure(sources, space, octaves.clone(), monitor)?;
     // Frames as in the files: cleaning moves values away from the ends of the range.
@@ -241,6 +245,10 @@ fn read(
 /// Variance by brightness, or, where it also depends on place, the mean over the squares inside.
 fn variance_in(model: &NoiseModel, middle: &BoxPyramid, squares: &[Square], region: &Region) -> f32 {
     let Region { columns, rows } = region;
+    // What a codec left is rare: how rare, and how strong, is measured over all tiles together.
+    if model.flattened.is_some() {
+        return model.transfer.variance(0.0);
+    }
     if model.excess.is_some() {
         let within = |x: f32, range: &Range<usize>| x >= range.start as f32 && x < range.end as f32;
         let inside = squares.iter().filter(|s| within(s.place.0, columns) && within(s.place.1, rows));
@@ -298,7 +306,8 @@ fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octav
     model.brightness.min_variance = octaves.clone().map(min).collect();
     model.brightness.brightest = fold(3, f32::max).abs();
     model.brightness.first_octave = octaves.start;
-    if model.transfer.slope > 0.0 || model.excess.is_some() {
+    let is_cut = model.flattened.is_some_and(|flattened| flattened.cut != [1.0; 2]);
+    if model.transfer.slope > 0.0 || model.excess.is_some() || is_cut {
         model.brightness.pyramids = pyramids;
     }
 }

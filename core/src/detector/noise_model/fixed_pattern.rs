@@ -64,6 +64,10 @@ impl FixedPattern {
             inseparable = hot_pixels.len();
             hot_pixels.clear();
         }
+        let smeared: Vec<(usize, usize)> = hot_pixels.iter().flat_map(|at| smeared(frames, variance, *at)).collect();
+        hot_pixels.extend(smeared);
+        hot_pixels.sort_unstable_by_key(|&(u, v)| (v, u));
+        hot_pixels.dedup();
         let columns = Stripes::find(&halves(&reading.columns));
         let rows = Stripes::find(&halves(&reading.rows));
         Self { hot_pixels, columns, rows, inseparable, ..Self::default() }
@@ -116,6 +120,9 @@ fn stays(pyramids: &[BoxPyramid], hot: &[(usize, usize)]) -> bool {
 /// Distance of a hot pixel from every neighbour, in standard deviations of the frames' mean.
 const HOT: f32 = 6.0;
 
+/// Part of a hot pixel's contrast that one beside it has at least if it is smeared; standard deviations of the mean.
+const SMEARED: [f32; 2] = [0.1, 3.0];
+
 /// Hot pixels among those that stand out of their row and their neighbours, from the first row to the last.
 pub fn find(standing_out: &[(usize, usize)], frames: &[&Plane], variance: f32) -> Vec<(usize, usize)> {
     let is_hot = |at: &(usize, usize), known: &[(usize, usize)]| is_hot(frames, variance, *at, known);
@@ -130,15 +137,40 @@ pub fn find(standing_out: &[(usize, usize)], frames: &[&Plane], variance: f32) -
     found
 }
 
+/// Pixels around a hot one with a part of its contrast: making colours or smoothing spreads a hot pixel over nine.
+fn smeared(frames: &[&Plane], variance: f32, (u, v): (usize, usize)) -> Vec<(usize, usize)> {
+    let (width, height) = frames[0].size();
+    if u < 2 || v < 2 || u + 2 >= width || v + 2 >= height {
+        return Vec::new();
+    }
+    let n = frames.len() as f32;
+    let mean = |x: usize, y: usize| frames.iter().map(|frame| frame.at(x, y)).sum::<f32>() / n;
+    let is_beyond = |x: usize, y: usize| x.abs_diff(u) == 2 || y.abs_diff(v) == 2;
+    let places = (v - 2..=v + 2).flat_map(|y| (u - 2..=u + 2).map(move |x| (x, y)));
+    let (beyond, near): (Vec<_>, Vec<_>) = places.partition(|&(x, y)| is_beyond(x, y));
+    let beyond = median(&mut beyond.into_iter().map(|(x, y)| mean(x, y)).collect::<Vec<f32>>());
+    let hot = mean(u, v) - beyond;
+    let least = (SMEARED[0] * hot.abs()).max(SMEARED[1] * (variance / n).sqrt());
+    near.into_iter().filter(|&(x, y)| (x, y) != (u, v) && (mean(x, y) - beyond) * hot.signum() > least).collect()
+}
+
+/// Replaces each of `pixels` by the median of those around it that are not among them, or were replaced before.
 pub fn mask(plane: &mut Plane, pixels: &[(usize, usize)]) {
+    let mut left: BTreeSet<(usize, usize)> = pixels.iter().copied().collect();
     for &(u, v) in pixels {
-        plane.row_mut(v)[u] = median(neighbours(u, v, plane.size()).map(|(x, y)| plane.at(x, y)));
+        let around = neighbours(u, v, plane.size()).into_iter().filter(|at| !left.contains(at));
+        let mut around: Vec<f32> = around.map(|(x, y)| plane.at(x, y)).collect();
+        if !around.is_empty() {
+            plane.row_mut(v)[u] = median(&mut around);
+            left.remove(&(u, v));
+        }
     }
 }
 
-fn median(mut around: [f32; 8]) -> f32 {
-    around.sort_by(f32::total_cmp);
-    0.5 * (around[3] + around[4])
+/// Median, for an even number the mean of both in the middle.
+fn median(values: &mut [f32]) -> f32 {
+    values.sort_by(f32::total_cmp);
+    0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
 }
 
 /// The eight pixels around one; beyond the border of an image of `size` they are mirrored.
@@ -170,7 +202,7 @@ fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(us
     let around_in = |frame: &Plane| {
         let mut around = places.map(|(x, y)| frame.at(x, y));
         if masked.contains(&true) {
-            let instead = median(around);
+            let instead = median(&mut around.clone());
             around.iter_mut().zip(masked).filter(|(_, masked)| *masked).for_each(|(x, _)| *x = instead);
         }
         around

@@ -41,6 +41,12 @@ impl LevelNoise {
 const NOISE_SPREAD: f32 = 2.5;
 /// Spread of the first level's tiles up to which what all have more than twice of is noise: structures differ more.
 const EVEN: f32 = 0.4;
+/// Number of tiles, and deviation of the logarithm of their noise, from which a fall with its strength is sought.
+const MIN_ALONG: usize = 8;
+const MIN_ACROSS: f32 = 0.3;
+/// Deviation of the logarithm of tiles from the fall up to which they are noise, and errors of it that are significant.
+const EVEN_ALONG: f32 = 0.3;
+const SURE: f32 = 4.0;
 /// Variance relative to white noise below which it is only rounding.
 const MIN_OVER_WHITE: f32 = 0.02;
 /// Upper bound of the kurtosis: that of JPEG files of low quality.
@@ -60,11 +66,11 @@ pub fn measure(
 ) -> Result<Vec<Vec<LevelNoise>>, Cancelled> {
     let of_octave = |octave| tiles_of_octave(sources, space, octave, monitor);
     let per_octave: Vec<Vec<TileMoments>> = octaves.into_par_iter().map(of_octave).collect::<Result<_, Cancelled>>()?;
-    let mut before: Option<LevelNoise> = None;
+    let (mut before, mut differs): (Option<LevelNoise>, bool) = (None, sources.differs);
     let mut of_level = |tiles: &[TileMoments], level: usize| {
         let found = match sources.are_flattened {
             true => rare_noise(tiles, level),
-            false => noise_at(tiles, level, space, before),
+            false => noise_at(tiles, level, space, before, &mut differs),
         };
         let noise = found.or(before).unwrap_or(LevelNoise::WHITE);
         before = Some(noise);
@@ -80,7 +86,15 @@ pub fn measure(
     Ok(levels)
 }
 
-fn noise_at(tiles: &[TileMoments], level: usize, space: &ScaleSpace, before: Option<LevelNoise>) -> Option<LevelNoise> {
+/// Noise of a level. It `differs` by strength where it does at all finer levels: structures that coarse levels alone
+/// show may fall with the noise too.
+fn noise_at(
+    tiles: &[TileMoments],
+    level: usize,
+    space: &ScaleSpace,
+    before: Option<LevelNoise>,
+    differs: &mut bool,
+) -> Option<LevelNoise> {
     let sigma = space.sigma_octave(level as f64) as f32;
     let mean_pixels = tiles.iter().map(|t| t.pixels).sum::<usize>() as f32 / tiles.len().max(1) as f32;
     // D at a level is correlated over about 4σ² pixels (Σρ² of its autocorrelation).
@@ -109,6 +123,11 @@ fn noise_at(tiles: &[TileMoments], level: usize, space: &ScaleSpace, before: Opt
     let total_error = of_noise / (variances.len() as f32).sqrt();
     let quiet = quiet_variance(variances.clone(), free);
     let is_even = before.is_none() && spread(&ordered) <= EVEN && quiet > 2.0;
+    let of_weakest = differs.then(|| by_strength(tiles, level, of_noise)).flatten();
+    *differs &= of_weakest.is_some();
+    if let Some(over_white) = of_weakest.filter(|of_weakest| *of_weakest > 1.0) {
+        return Some(LevelNoise { over_white, excess_kurtosis: kurtosis });
+    }
     if !is_even && spread(&ordered) > NOISE_SPREAD * of_noise {
         let expected = before.map_or(1.0, |noise| noise.over_white);
         // Tiles also differ by their brightness: the quiet ones do not lower the estimate below the median of all.
@@ -121,6 +140,25 @@ fn noise_at(tiles: &[TileMoments], level: usize, space: &ScaleSpace, before: Opt
     let off = mean - 1.0;
     let trust = if off == 0.0 { 0.0 } else { (1.0 - (total_error / off).powi(2)).max(0.0) };
     Some(LevelNoise { over_white: (1.0 + off * trust).max(MIN_OVER_WHITE), excess_kurtosis: kurtosis })
+}
+
+/// Variance relative to white noise of the weakest noise, if it falls with the noise's strength and differs little from
+/// that fall: a codec rounds weak noise to few coarse coefficients. Structures differ from tile to tile.
+fn by_strength(tiles: &[TileMoments], level: usize, of_noise: f32) -> Option<f32> {
+    let log = |tile: &TileMoments| (tile.variance.ln(), tile.levels[level].0.ln());
+    let logs: Vec<(f32, f32)> = tiles.iter().map(log).filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
+    if logs.len() < MIN_ALONG {
+        return None;
+    }
+    let mean = |of: &dyn Fn(&(f32, f32)) -> f32| logs.iter().map(of).sum::<f32>() / logs.len() as f32;
+    let (x, y) = (mean(&|at| at.0), mean(&|at| at.1));
+    let (across, both) = (mean(&|at| (at.0 - x).powi(2)), mean(&|at| (at.0 - x) * (at.1 - y)));
+    let slope = both / across;
+    let left = mean(&|at| (at.1 - y - slope * (at.0 - x)).powi(2)).sqrt();
+    let weakest = quantile(&sorted(logs.iter().map(|at| at.0).collect()), 0.1) - x;
+    let falls = slope * across.sqrt() < -SURE * left / (logs.len() as f32).sqrt();
+    let falls = falls && across.sqrt() > MIN_ACROSS && left <= EVEN_ALONG.max(1.5 * of_noise);
+    falls.then(|| (y + slope * weakest).exp())
 }
 
 /// Noise of a level from the mean of all tiles, where a codec made it rare. `None` where there is no tile.
@@ -147,7 +185,7 @@ const MIN_TILES: usize = 6;
 const PIXELS: usize = 32_768;
 /// Number of pixels of octaves after the first, about; these have less noise.
 const COARSE_PIXELS: usize = 24_000;
-/// Ratio of the numbers of pixels that are measured where noise is rare and elsewhere.
+/// Ratio of the numbers of pixels that are measured where noise is rare or differs by place, and elsewhere.
 const FOR_RARE: usize = 8;
 /// Number of octaves that are measured: in coarser ones the scene is far stronger than the noise.
 const OCTAVES: i32 = 3;
@@ -167,11 +205,15 @@ pub struct Sources<'a> {
     pub variance_in: &'a (dyn Fn(&Region) -> f32 + Sync),
     /// Whether a codec flattened most of the blocks, so that what is left of the noise is rare.
     pub are_flattened: bool,
+    /// Whether the noise differs by place, and its correlation may too.
+    pub differs: bool,
 }
 
 #[derive(Debug, Clone)]
 pub struct TileMoments {
     pub pixels: usize,
+    /// Variance of one frame's white noise there, (fraction of full scale)².
+    pub variance: f32,
     /// Mean square relative to that of white noise, and excess kurtosis, by level.
     pub levels: Vec<(f32, f32)>,
 }
@@ -200,7 +242,7 @@ pub fn tiles_of_octave(
         (pyramids[0].level(halvings).size(), Source::Squares(pyramids, halvings))
     };
     let (tile, wanted) = if is_first { (TILE, PIXELS) } else { (COARSE_TILE, COARSE_PIXELS) };
-    let wanted = if sources.are_flattened { FOR_RARE * wanted } else { wanted };
+    let wanted = wanted * if sources.are_flattened || sources.differs { FOR_RARE } else { 1 };
     let frames = sources.frames;
     let hidden = |region: &Region| frames.iter().any(|frame| frame.hides(&in_image(region, octave)));
     let mut regions = regions(size, tile, wanted);
@@ -353,7 +395,7 @@ fn moments(dog: &DogTile, region: &Region, white: &[f64], frame: f32) -> TileMom
         let (second, fourth) = (second / pixels as f64, fourth / pixels as f64);
         (second as f32, if second > 0.0 { (fourth / (second * second) - 3.0) as f32 } else { 0.0 })
     };
-    TileMoments { pixels, levels: white.iter().enumerate().map(of_level).collect() }
+    TileMoments { pixels, variance: frame, levels: white.iter().enumerate().map(of_level).collect() }
 }
 
 #[cfg(test)]
@@ -385,6 +427,7 @@ mod tests {
             motion,
             variance_in: &|_| variance,
             are_flattened: false,
+            differs: false,
         };
         measure(sources, space, octaves, &Monitor::default()).expect("not cancelled")
     }
