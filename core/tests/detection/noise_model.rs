@@ -13,6 +13,17 @@ fn found(burst: &Burst, noise_model: NoiseModelKind) -> Detection {
     detect(burst, &params(noise_model), &quiet()).expect("detected")
 }
 
+/// Detections in two bursts of a kind of noise, given with its σ and its level, fractions of full scale.
+fn of_noise((kind, sigma, level): (&str, f64, f64), size: (usize, usize)) -> [Detection; 2] {
+    [31, 32].map(|seed| {
+        let kind: NoiseKind = kind.parse().expect("a kind");
+        let burst = kind.burst_at(level, size, 10, sigma, seed, &quiet()).expect("a burst");
+        let detection = found(&burst, NoiseModelKind::Local);
+        println!("{} at {level}, seed {seed}: {}", kind.name(), detection.features.len());
+        detection
+    })
+}
+
 #[test]
 fn noise_as_cameras_make_it_gives_next_to_nothing() {
     // The white model finds tens to hundreds of features in each of these.
@@ -90,16 +101,9 @@ fn masked_bits_are_bits_and_two_neighbouring_values_of_a_converter_are_not() {
 #[test]
 fn blocks_that_a_codec_flattened_are_no_evidence_of_low_noise() {
     let mut all = 0;
-    for (case, level) in [
-        (NoiseCase::ColourJpeg(30), 0.2),
-        (NoiseCase::ColourJpeg(30), 0.35),
-        (NoiseCase::ColourJpeg(20), 0.2),
-        (NoiseCase::Jpeg(20), 0.2),
-    ] {
-        for seed in [31, 32] {
-            let burst = NoiseKind::from(case).burst_at(level, (480, 360), 10, 0.02, seed, &quiet()).expect("a burst");
-            let detection = found(&burst, NoiseModelKind::Local);
-            println!("{} at {level}, seed {seed}: {}", case.name(), detection.features.len());
+    for (case, level) in [("colour-jpeg-30", 0.2), ("colour-jpeg-30", 0.35), ("colour-jpeg-20", 0.2), ("jpeg-20", 0.2)]
+    {
+        for detection in of_noise((case, 0.02, level), (480, 360)) {
             all += detection.features.len();
             assert!(detection.noise.warnings.iter().any(|w| w.kind == WarningKind::FlattenedByCodec));
         }
@@ -123,13 +127,7 @@ fn noise_that_a_codec_or_a_filter_spreads_over_pixels_gives_next_to_nothing() {
         // A camera that smooths spreads a hot pixel over nine.
         ("hot-pixels+correlated", 0.02, 0.3),
     ] {
-        let kind: NoiseKind = kind.parse().expect("a kind");
-        for seed in [31, 32] {
-            let burst = kind.burst_at(level, (484, 364), 10, sigma, seed, &quiet()).expect("a burst");
-            let features = found(&burst, NoiseModelKind::Local).features;
-            println!("{}, seed {seed}: {}", kind.name(), features.len());
-            all += features.len();
-        }
+        all += of_noise((kind, sigma, level), (484, 364)).map(|found| found.features.len()).iter().sum::<usize>();
     }
     // Before, single bursts had hundreds.
     assert!(all <= 20, "{all}");
@@ -146,11 +144,7 @@ fn lines_of_any_period_are_taken_off_and_what_is_not_a_whole_line_stays() {
         ("banding:strength=0.5:period=16", 0.01, 0.5),
         ("drifting-stripes-1.5+correlated", 0.02, 0.5),
     ] {
-        let kind: NoiseKind = kind.parse().expect("a kind");
-        for seed in [31, 32] {
-            let burst = kind.burst_at(level, (480, 360), 10, sigma, seed, &quiet()).expect("a burst");
-            let detection = found(&burst, NoiseModelKind::Local);
-            println!("{}, seed {seed}: {}", kind.name(), detection.features.len());
+        for detection in of_noise((kind, sigma, level), (480, 360)) {
             all += detection.features.len();
             assert!(detection.noise.warnings.iter().any(|w| w.kind == WarningKind::ChangingLines));
         }
@@ -184,23 +178,17 @@ fn no_part_of_a_scene_is_taken_for_lines() {
 
 #[test]
 fn a_filter_over_time_is_seen_where_the_noise_differs_by_place_and_a_scene_that_stays_is_none() {
-    let correlation = |burst: &Burst| {
-        let detection = found(burst, NoiseModelKind::Local);
-        (detection.noise.correlations.first().copied().unwrap_or(0.0), detection.features.len())
-    };
+    let correlation = |found: &Detection| found.noise.correlations.first().copied().unwrap_or(0.0);
     let mut all = 0;
     for (kind, sigma, level) in [
         ("smoothed+varying-6:strength=0.25", 0.02, 0.7),
         ("varying-6+smoothed:strength=0.25:period=90:phase=0.25", 0.05, 0.5),
         ("jpeg-60+smoothed:phase=0.75", 0.005, 0.3),
     ] {
-        let kind: NoiseKind = kind.parse().expect("a kind");
-        for seed in [31, 32] {
-            let burst = kind.burst_at(level, (480, 360), 10, sigma, seed, &quiet()).expect("a burst");
-            let (correlation, features) = correlation(&burst);
-            println!("{}, seed {seed}: {correlation}, {features}", kind.name());
-            assert!(correlation > 0.5, "{}", kind.name());
-            all += features;
+        for detection in of_noise((kind, sigma, level), (480, 360)) {
+            let correlation = correlation(&detection);
+            assert!(correlation > 0.5, "{kind}: {correlation}");
+            all += detection.features.len();
         }
     }
     // Before, each of the six bursts had thousands.
@@ -208,7 +196,7 @@ fn a_filter_over_time_is_seen_where_the_noise_differs_by_place_and_a_scene_that_
     // A still scene under even noise: all its squares have something in common, but not the same share.
     let scene = SceneParams { width: 480, height: 360, max_slope: 0.0, snr: 20.0, ..SceneParams::default() };
     let (still, _) = synth_scene(&scene, &quiet()).expect("a scene");
-    assert_eq!(correlation(&still).0, 0.0);
+    assert_eq!(correlation(&found(&still, NoiseModelKind::Local)), 0.0);
 }
 
 #[test]
