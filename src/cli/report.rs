@@ -77,7 +77,7 @@ pub(super) struct BurstReport {
     advice: Option<AdviceReport>,
 }
 
-/// JSON of [`BurstReport::of`].
+/// JSON of the report of a search of one burst.
 pub fn burst_document(burst: &Burst, searched: &Searched) -> serde_json::Result<String> {
     serde_json::to_string(&BurstReport::of(burst, searched))
 }
