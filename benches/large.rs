@@ -1,6 +1,6 @@
-//! Wait for the picture of another slope of ten frames of 12 megapixels, at several zooms: until a pass shows it as it is
-//! seen and until one shows it whole, each also with the drawing by the graphics card, or by the software driver in its
-//! place; and the longest pass of the window meanwhile.
+//! Wait for the picture of another slope of ten frames of 12 megapixels, at several zooms: until a pass shows it as it
+//! is seen and until one shows it whole, each also with the drawing by the graphics card, or by the software driver in
+//! its place; and the longest pass of the window meanwhile.
 //!
 //!     cargo bench --bench large
 

@@ -1,6 +1,6 @@
-//! Cost of features over a picture: CPU time of a whole pass of the window with 100 000 of them, drawn, selected in turn,
-//! filtered or sorted anew, against the same pass with none drawn. What is drawn is tessellated too; the graphics card's
-//! part and the work in the background are left out.
+//! Cost of features over a picture: CPU time of a whole pass of the window with 100 000 of them, drawn, selected in
+//! turn, filtered or sorted anew, against the same pass with none drawn. What is drawn is tessellated too; the graphics
+//! card's part and the work in the background are left out.
 
 use burstscope::Monitor;
 use burstscope::app::document::panes::Panels;

@@ -50,7 +50,8 @@ pub enum CameraModel {
     RadialFisheye,
     /// fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, sx1, sy1: a fisheye with tangential and thin-prism distortion.
     ThinPrismFisheye,
-    /// fx, fy, cx, cy, k0 … k5, p0, p1, s0 … s3: a fisheye whose tangential and thin-prism distortion follow the radial.
+    /// fx, fy, cx, cy, k0 … k5, p0, p1, s0 … s3: a fisheye whose tangential and thin-prism distortion follow the
+    /// radial.
     RadTanThinPrismFisheye,
 }
 
@@ -153,8 +154,8 @@ impl Distortion {
         ]
     }
 
-    /// By rows, the derivatives of [`Self::apply`] with respect to x and y: by differences, alike for all models. Newton's
-    /// method needs no more digits of them, as its result is judged by `apply`.
+    /// By rows, the derivatives of [`Self::apply`] with respect to x and y: by differences, alike for all models.
+    /// Newton's method needs no more digits of them, as its result is judged by `apply`.
     fn jacobian(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let step = 1e-6 * (1.0 + x.abs().max(y.abs()));
         let along = |[dx, dy]: [f64; 2]| {
@@ -286,8 +287,8 @@ impl Camera {
         self.distortion() == Distortion::default()
     }
 
-    /// The direction (x, y, 1) seen at the pixel (u, v), undistorted; far out for rays of a fisheye from 90° off its axis
-    /// on, which have no such direction. Panics if [`Self::validate`] refuses the camera.
+    /// The direction (x, y, 1) seen at the pixel (u, v), undistorted; far out for rays of a fisheye from 90° off its
+    /// axis on, which have no such direction. Panics if [`Self::validate`] refuses the camera.
     pub fn direction_of(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let ([fx, fy, cx, cy], _) = self.pinhole();
         self.distortion().remove([(u + FIRST_PIXEL - cx) / fx, (v + FIRST_PIXEL - cy) / fy])

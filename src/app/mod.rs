@@ -1,8 +1,8 @@
 //! The window: panes, panels, overlays, shortcuts. It computes nothing that a command could not compute.
 //!
-//! [`document`] holds what is set, as plain values, and [`results`] what the workers of [`crate::engine`] answered about it.
-//! Each pass of [`window::BurstscopeApp`] takes what was published, draws, runs the [`actions`] that were asked for, and
-//! requests what is missing. What a part changes beyond what it owns is a value, a [`results::Effect`].
+//! [`document`] holds what is set, as plain values, and [`results`] what the workers of [`crate::engine`] answered
+//! about it. Each pass of [`window::BurstscopeApp`] takes what was published, draws, runs the [`actions`] that were
+//! asked for, and requests what is missing. What a part changes beyond what it owns is a value, a [`results::Effect`].
 //!
 //! A [`workspace`] arranges panes and panels; the [`inspector`] draws [panes](pane), [`canvas`] is a picture's widget.
 

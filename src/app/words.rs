@@ -7,8 +7,8 @@ use egui::{Context, Id, Label, Response, Ui, WidgetText};
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 use std::sync::Arc;
 
-/// Declares the choices of a menu or of a row of buttons: a type of their names, in the order in which they are offered,
-/// each with its label and help.
+/// Declares the choices of a menu or of a row of buttons: a type of their names, in the order in which they are
+/// offered, each with its label and help.
 macro_rules! choices {
     ($(#[$of:meta])* $name:ident { $($(#[$one:meta])* $choice:ident: $label:literal, $help:literal;)+ }) => {
         $(#[$of])*

@@ -129,9 +129,9 @@ pub struct StackArgs {
 
 /// Align the frames of a burst and average them into one image.
 ///
-/// This is the burst-merge baseline. Each tile of the middle frame is looked for in every frame, from coarse to fine, and the tiles are averaged
-/// robustly: those that do not fit are left out. Values are fractions of full scale, written as 32-bit float TIFF.
-/// 'detect --method merge' finds the features of this image.
+/// This is the burst-merge baseline. Each tile of the middle frame is looked for in every frame, from coarse to fine,
+/// and the tiles are averaged robustly: those that do not fit are left out. Values are fractions of full scale, written
+/// as 32-bit float TIFF. 'detect --method merge' finds the features of this image.
 #[derive(Debug, Args)]
 pub struct MergeArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]

@@ -30,8 +30,8 @@ use std::path::PathBuf;
 /// SVG, PDF or PNG one sheet under a picture of the burst.
 ///
 /// Of several bursts the page begins with up to five that stand out, the worst first, with the reason and the command
-/// that opens each: those that fail, whose slopes do not fit, that have less than a quarter of the features or twice the
-/// noise of the others, or show too little to judge their slopes. A table has for each the noise, the slopes with
+/// that opens each: those that fail, whose slopes do not fit, that have less than a quarter of the features or twice
+/// the noise of the others, or show too little to judge their slopes. A table has for each the noise, the slopes with
 /// 'detect''s judgement, features, their median motion, and how even the times are.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = REPORT_HELP)]
@@ -43,8 +43,8 @@ pub struct ReportArgs {
     /// again for more places.
     #[arg(long, value_name = "[NAME=]U,V", allow_hyphen_values = true, value_parser = parse_named_place)]
     pub at: Vec<(Option<String>, [f32; 2])>,
-    /// A folder that 'colmap' wrote from these bursts. Tells of its pairs too: what the verified ones join, how many were
-    /// refused and why, and the weakest; a burst without a verified pair stands out.
+    /// A folder that 'colmap' wrote from these bursts. Tells of its pairs too: what the verified ones join, how many
+    /// were refused and why, and the weakest; a burst without a verified pair stands out.
     #[cfg(feature = "colmap")]
     #[arg(long, value_name = "DIR")]
     pub pairs_of: Option<PathBuf>,

@@ -225,8 +225,9 @@ pub struct NoiseArgs {
     /// clipped-black, saturated, constant-frame, constant, drifting-stripes-SPEED (px/frame), varying-TIMES (strength
     /// by place), banding, still-banding, smoothed, flickering-pixels, noisy-columns, negative, fading-PERCENT and
     /// breathing-PERCENT (level over time), cosmic-streaks, fixed-pattern-PERCENT (of the noise), bits-PERCENT (of
-    /// pixels that are 1, the others 0), growing-stripes. Two are joined by +, and followed by :strength=2 (of patterns),
-    /// :period=40 (px) and :phase=0.5 (of it). Without it the white ones of --sigma and --bits, and all others.
+    /// pixels that are 1, the others 0), growing-stripes. Two are joined by +, and followed by :strength=2 (of
+    /// patterns), :period=40 (px) and :phase=0.5 (of it). Without it the white ones of --sigma and --bits, and all
+    /// others.
     #[arg(long, value_name = "CASE,…", value_delimiter = ',', value_parser = NoiseKind::from_str)]
     pub case: Vec<NoiseKind>,
     /// Standard deviation of the noise of the kinds of --case, fraction of full scale.
@@ -257,9 +258,10 @@ fn parse_bits(text: &str) -> Result<Bits, String> {
 
 /// Count how often the sentence about the slopes is right.
 ///
-/// Layered scenes whose motion is known are searched with slopes that are found (line, plane, layers, masked), with wrong ones (narrow,
-/// coarse, beside, wide, still), and with frames that do not fit (exchanged, curved, noise). What 'detect' and 'slopes'
-/// say of the slopes is counted against what is true. 'unknown', said where the frames show too little, is never wrong.
+/// Layered scenes whose motion is known are searched with slopes that are found (line, plane, layers, masked), with
+/// wrong ones (narrow, coarse, beside, wide, still), and with frames that do not fit (exchanged, curved, noise). What
+/// 'detect' and 'slopes' say of the slopes is counted against what is true. 'unknown', said where the frames show too
+/// little, is never wrong.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = ADVICE_HELP)]
 pub struct AdviceArgs {

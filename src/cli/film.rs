@@ -37,8 +37,8 @@ pub struct FilmArgs {
     /// Longest side of the pictures, pixels; larger ones are made smaller by a whole number.
     #[arg(long, value_name = "PX", default_value_t = 640, value_parser = clap::value_parser!(u32).range(16..=8192))]
     pub max_side: u32,
-    /// The file to write: .gif; .mp4, by the ffmpeg in PATH; or .png for a picture each, sweep-000.png, sweep-001.png, …
-    /// for sweep.png.
+    /// The file to write: .gif; .mp4, by the ffmpeg in PATH; or .png for a picture each, sweep-000.png, sweep-001.png,
+    /// … for sweep.png.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     #[command(flatten)]

@@ -18,8 +18,8 @@ use std::path::{Path, PathBuf};
 /// The parameter file.
 #[derive(Debug, Clone, Default, Args)]
 pub struct ParamsFileArg {
-    /// Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table 'matching' has options
-    /// of matching.
+    /// Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table 'matching' has
+    /// options of matching.
     #[arg(long, value_name = "FILE.toml")]
     pub params: Option<PathBuf>,
     /// The user's defaults, which come before. The window has none.

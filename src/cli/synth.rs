@@ -187,10 +187,11 @@ pub struct NoisyArgs {
 
 /// Bursts along a camera's way past textured planes, with its poses.
 ///
-/// The planes lie at several depths and are drawn in perspective from the pose that the camera has in each frame, so the apparent motion follows
-/// from the depth. The folder holds bursts/ (a folder of frames for each), gold/ (the view at each mid-burst without
-/// noise), poses.txt (lines 'timestamp tx ty tz qx qy qz qw': the burst's number, the camera in the world at
-/// mid-burst), lens.toml (the camera, for --camera) and trajectory.json (everything else that is known).
+/// The planes lie at several depths and are drawn in perspective from the pose that the camera has in each frame, so
+/// the apparent motion follows from the depth. The folder holds bursts/ (a folder of frames for each), gold/ (the view
+/// at each mid-burst without noise), poses.txt (lines 'timestamp tx ty tz qx qy qz qw': the burst's number, the camera
+/// in the world at mid-burst), lens.toml (the camera, for --camera) and trajectory.json (everything else that is
+/// known).
 #[derive(Debug, Clone, Args)]
 #[command(allow_negative_numbers = true, after_long_help = HELP)]
 pub struct TrajectoryArgs {

@@ -1,7 +1,7 @@
-//! Results of earlier requests that later ones share: pictures, and trails of detections. A trail is all that the search
-//! of an open burst left behind, for requests that explain it. The detection makes its trail in the same search. A trail
-//! that was not kept is made again once for all askers: judged from a kept one where only thresholds differ, continued
-//! from one of other slopes.
+//! Results of earlier requests that later ones share: pictures, and trails of detections. A trail is all that the
+//! search of an open burst left behind, for requests that explain it. The detection makes its trail in the same search.
+//! A trail that was not kept is made again once for all askers: judged from a kept one where only thresholds differ,
+//! continued from one of other slopes.
 
 use super::{BurstId, JobError, OpenBurst, PictureAnswer, PictureKey, PictureRequest};
 use crate::detector::{DetectorParams, SearchParams, SlopeFinding, memory};

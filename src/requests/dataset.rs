@@ -1,5 +1,5 @@
-//! Work on a whole dataset, opening, detecting, matching and exporting: long, so that each finished burst and pair is reported
-//! before the answer.
+//! Work on a whole dataset, opening, detecting, matching and exporting: long, so that each finished burst and pair is
+//! reported before the answer.
 
 use crate::burst::{BurstFiles, Entries, OpenOptions};
 use crate::dataset::{

@@ -1,5 +1,5 @@
-//! A sweep over slope, scale or frames as a film: each step as a figure with its features, its numbers and the meaning of
-//! the colours.
+//! A sweep over slope, scale or frames as a film: each step as a figure with its features, its numbers and the meaning
+//! of the colours.
 
 use super::{OpenBurst, SlopeColours};
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};

@@ -1,5 +1,5 @@
-//! Pictures of a burst, and how they are computed: a frame, a motion stack, a DoG response, a map, the merged frames, or
-//! a difference of two.
+//! Pictures of a burst, and how they are computed: a frame, a motion stack, a DoG response, a map, the merged frames,
+//! or a difference of two.
 
 use super::{
     BurstId, Caches, JobError, MotionMap, OpenBurst, PREVIEW_OCTAVES, PictureKind, RangeClass, Request, Urgency,

@@ -31,8 +31,9 @@ fn stored(name: &str) -> PathBuf {
     root().join(format!("docs/measurements/{name}.json"))
 }
 
-/// Parts of a cell between braces, `K/POINTER:FORMAT`: whole, the value's place in the JSON of the K-th command, and the
-/// number of decimals, followed by `%` where a share is printed in hundredths. Without a format there is one decimal.
+/// Parts of a cell between braces, `K/POINTER:FORMAT`: whole, the value's place in the JSON of the K-th command, and
+/// the number of decimals, followed by `%` where a share is printed in hundredths. Without a format there is one
+/// decimal.
 fn named_values(cell: &str) -> impl Iterator<Item = (&str, &str, &str)> {
     cell.split('{').skip(1).filter_map(|part| part.split_once('}')).map(|(inside, _)| {
         let (place, format) = inside.rsplit_once(':').unwrap_or((inside, "1"));

@@ -44,7 +44,8 @@ pub fn cut_off<State>(harness: &Harness<'_, State>) -> Vec<String> {
     };
     let mut told = BTreeSet::new();
     for Named { widget, role, text } in &named {
-        // Drawings have no letters of their own, and are clipped on purpose; a cell's letters are looked at by themselves.
+        // Drawings have no letters of their own, and are clipped on purpose; a cell's letters are looked at by
+        // themselves.
         let is_drawing = matches!(
             role,
             Role::Image | Role::Canvas | Role::GenericContainer | Role::ScrollBar | Role::TextRun | Role::Unknown

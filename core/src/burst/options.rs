@@ -94,9 +94,10 @@ pub struct OpenOptions {
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE|names|header|found|even"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub times: Option<TimesChoice>,
-    /// Orientations of the camera (x right, y down, z forward) in the world, by which each frame is turned to mid-burst,
-    /// so that slopes are of the camera's way alone: a line a frame (qx qy qz qw), or lines with stamps for frames with
-    /// times (TUM: seconds tx ty tz qx qy qz qw; EuRoC: nanoseconds,x,y,z,qw,qx,qy,qz). Also beside or above the frames.
+    /// Orientations of the camera (x right, y down, z forward) in the world, by which each frame is turned to
+    /// mid-burst, so that slopes are of the camera's way alone: a line a frame (qx qy qz qw), or lines with stamps for
+    /// frames with times (TUM: seconds tx ty tz qx qy qz qw; EuRoC: nanoseconds,x,y,z,qw,qx,qy,qz). Also beside or
+    /// above the frames.
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rotations: Option<PathBuf>,
@@ -123,7 +124,8 @@ impl OpenOptions {
         *self == Self { limits: self.limits, ..Self::default() }
     }
 
-    /// These options with the mask, part, times, rotations, views and place in a file of `other`: what holds for one burst alone.
+    /// These options with the mask, part, times, rotations, views and place in a file of `other`: what holds for one
+    /// burst alone.
     #[must_use]
     pub fn with_burst_of(self, other: &Self) -> Self {
         let Self { mask, take, times, views, axis, array, topic, rotations, lens, .. } = other.clone();

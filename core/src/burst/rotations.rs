@@ -18,8 +18,8 @@ use std::{path::Path, sync::Arc};
 
 /// Largest list that is read: a day at 1000 orientations a second, 90 bytes each, has more.
 const MAX_LIST_BYTES: u64 = 1 << 30;
-/// Distance of the places, pixels, at which a turned pixel is computed; between them it is linear, which at a turn of 3°
-/// and a focal length of 300 px is off by 0.01 px.
+/// Distance of the places, pixels, at which a turned pixel is computed; between them it is linear, which at a turn of
+/// 3° and a focal length of 300 px is off by 0.01 px.
 const GRID_PX: usize = 16;
 /// Deviation of a quaternion's length from 1 that digits leave.
 const UNIT: f64 = 0.01;

@@ -2,8 +2,8 @@
 //!
 //! `images/NAME.png` shows each burst, `features/NAME.png.txt` holds its features in the form of COLMAP's importer, and
 //! `database.db` cameras, images, features, matches and verified geometries. Finished bursts and matched pairs are not
-//! computed again; the places on which all pairs agree are. Features are in memory only while they are found or matched:
-//! memory does not grow with the bursts.
+//! computed again; the places on which all pairs agree are. Features are in memory only while they are found or
+//! matched: memory does not grow with the bursts.
 
 use super::camera::{BurstCameras, CameraChoice};
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
@@ -141,7 +141,8 @@ type Exported = (BurstFeatures, Seen, Option<Value>);
 /// Opens the burst at a place, with the parameters of its search.
 type Opening<'a> = &'a dyn Fn(usize) -> Result<(Burst, DetectorParams)>;
 
-/// Bursts of an export: their number, and by their places what is exported, and the frames with the parameters of search.
+/// Bursts of an export: their number, and by their places what is exported, and the frames with the parameters of
+/// search.
 type AllExported<'a> = (usize, &'a dyn Fn(usize) -> Result<Exported>, Opening<'a>);
 
 fn write_database(
@@ -256,8 +257,8 @@ fn match_all(
     Ok(resumed)
 }
 
-/// Adds all pairs in their order, so that the database has the same bytes whether they were kept or matched now. Returns
-/// those whose geometries wait until all pairs agree on the places.
+/// Adds all pairs in their order, so that the database has the same bytes whether they were kept or matched now.
+/// Returns those whose geometries wait until all pairs agree on the places.
 fn add_pairs(
     database: &mut DatabaseWriter<'_>,
     pairs: &[(usize, usize)],

@@ -19,8 +19,8 @@ pub enum ImageKind {
     Middle,
     /// The used frames, merged at the middle one: makes the content of a dark burst visible.
     Merged,
-    /// The used frames, each place stacked along its own motion at mid-burst, the features' reference time; at the middle
-    /// one of the slopes where no field of motion is found.
+    /// The used frames, each place stacked along its own motion at mid-burst, the features' reference time; at the
+    /// middle one of the slopes where no field of motion is found.
     Stack,
 }
 

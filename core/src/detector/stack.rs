@@ -123,8 +123,8 @@ pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: 
     RowStacker::new(frames, vec![offsets]).rows(v..v + 1, &columns, &mut [out], stride);
 }
 
-/// Number of `frames`, read at the offsets `at`, that cover the pixel (u, v), and the number that see it: each counts as
-/// the unmasked share of its samples up to `radius` pixels around.
+/// Number of `frames`, read at the offsets `at`, that cover the pixel (u, v), and the number that see it: each counts
+/// as the unmasked share of its samples up to `radius` pixels around.
 pub fn coverage(frames: &[impl Borrow<Plane>], at: &[FrameOffset], (u, v): (usize, usize), radius: f32) -> (f32, f32) {
     let covering = frames.iter().map(Borrow::borrow).zip(at);
     let covering = covering.filter(|(frame, offset)| offset.covers(u, v, frame.size()));

@@ -30,7 +30,8 @@ pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor:
     motion_stack(&frames, &positions, slope, params.rules.interpolation, monitor)
 }
 
-/// Frames of `burst` on the pixels of `octave` (1 or more), each the mean of a square about it: see [`stack_part_view`].
+/// Frames of `burst` on the pixels of `octave` (1 or more), each the mean of a square about it: see
+/// [`stack_part_view`].
 pub fn coarse_frames(burst: &Burst, octave: i32, monitor: &Monitor) -> Result<Vec<Plane>, Cancelled> {
     let ((columns, rows), step) = (burst.size(), 1 << octave);
     let window = |at: usize, count: usize| (at * step).saturating_sub(step / 2)..count.min(at * step + step / 2 + 1);

@@ -68,7 +68,8 @@ pub fn write_csv(path: &Path, features: &[Feature], verdicts: Option<&[FeatureVe
 }
 
 /// Reads a table that [`write_csv`] wrote, also one of an earlier version, without field of motion, ghosts or edges;
-/// verdicts are left out, as they are found again with the burst. The header must be exact and every line complete. `slope_index` is 0, since the table does not have it.
+/// verdicts are left out, as they are found again with the burst. The header must be exact and every line complete.
+/// `slope_index` is 0, since the table does not have it.
 ///
 /// # Errors
 /// The file cannot be read, or a line has a wrong form; it is named with its number.

@@ -86,7 +86,8 @@ pub fn encode_film(
     Ok(())
 }
 
-/// Size (columns, rows) of the pictures, and the pictures as they come, with progress; errors for none or several sizes.
+/// Size (columns, rows) of the pictures, and the pictures as they come, with progress; errors for none or several
+/// sizes.
 fn of_one_size(
     count: usize,
     pictures: impl IntoIterator<Item = io::Result<RgbaImage>>,

@@ -1,10 +1,10 @@
 //! The mark by which Burstscope recognises what it wrote, so that it replaces this alone without being told to.
 //!
 //! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
-//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML, PDF and LaTeX, a free box of MP4, or a comment
-//! line, at the end of a file, and claims all bytes before; in `Software` of TIFF, for samples; in a [file](OutputKind::file) of a
-//! folder. COLMAP's database has a number in its header alone, a matched pair its first line, and tables have none, see
-//! [`is_ours`](crate::export::is_ours).
+//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML, PDF and LaTeX, a free box of MP4, or a
+//! comment line, at the end of a file, and claims all bytes before; in `Software` of TIFF, for samples; in a
+//! [file](OutputKind::file) of a folder. COLMAP's database has a number in its header alone, a matched pair its first
+//! line, and tables have none, see [`is_ours`](crate::export::is_ours).
 
 use super::{MAX_TABLE_BYTES, path_text, read_text};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -208,7 +208,8 @@ impl MarkPlace {
     }
 }
 
-/// Puts the mark into a complete PNG, GIF, MP4, ZIP, XML or PDF file, or as a last comment line; an error for a cut file.
+/// Puts the mark into a complete PNG, GIF, MP4, ZIP, XML or PDF file, or as a last comment line; an error for a cut
+/// file.
 pub fn seal(file: &mut File, kind: OutputKind) -> io::Result<()> {
     let place = MarkPlace::of(&part_of(file, 0, HEAD)?);
     let length = file.seek(SeekFrom::End(0))?;

@@ -308,7 +308,8 @@ pub struct Moved {
 }
 
 impl AlignedImages {
-    /// Estimates a pair's geometry again, from the `former` one and its inliers, each with the index of its measurement.
+    /// Estimates a pair's geometry again, from the `former` one and its inliers, each with the index of its
+    /// measurement.
     pub fn confirmed(
         &self,
         images: (usize, usize),
@@ -341,8 +342,8 @@ impl AlignedImages {
         Ok(Some(Verification { inlier, error_px, ..of_kept }))
     }
 
-    /// Geometry of a pair estimated again, from the `former` one, its `inliers` and those that others imply, and which of
-    /// both agree with it. `None` where they are fewer than `inliers`, or than a pair keeps.
+    /// Geometry of a pair estimated again, from the `former` one, its `inliers` and those that others imply, and which
+    /// of both agree with it. `None` where they are fewer than `inliers`, or than a pair keeps.
     pub fn with_implied(
         &self,
         images: (usize, usize),

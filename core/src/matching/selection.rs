@@ -59,8 +59,8 @@ impl PairSelection {
     }
 }
 
-/// Largest number of features of an image that vote: 40 kB of memory, and where images have 3000 features a hundredth of
-/// the comparisons of all pairs.
+/// Largest number of features of an image that vote: 40 kB of memory, and where images have 3000 features a hundredth
+/// of the comparisons of all pairs.
 pub const VOTERS: usize = 300;
 
 /// Pairs of each image with the `partners` others, or all if there are fewer, that get most of its votes; of equals the

@@ -23,8 +23,8 @@ pub fn bilinear(plane: &Plane, u: f32, v: f32) -> Option<f32> {
     Some(mix(mix(top[u0], top[u1], fu), mix(bottom[u0], bottom[u1], fu), fv))
 }
 
-/// Value at (`u`, `v`) by Catmull–Rom splines through 4×4 pixels, of which the outermost are repeated; `None` outside the
-/// centres of the outermost pixels. Fine structure loses less than by [`bilinear`].
+/// Value at (`u`, `v`) by Catmull–Rom splines through 4×4 pixels, of which the outermost are repeated; `None` outside
+/// the centres of the outermost pixels. Fine structure loses less than by [`bilinear`].
 pub fn cubic(plane: &Plane, u: f32, v: f32) -> Option<f32> {
     let (width, height) = plane.size();
     // Negated, so that NaN is outside as well.

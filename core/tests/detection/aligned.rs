@@ -70,8 +70,8 @@ fn a_burst_that_is_shifted_is_found_to_be_shifted() {
     assert!(found.len() * 2 > result.matches.len() && of(0.5) < 0.02 && of(0.95) < 0.2);
 }
 
-/// Places of B in an image of 200×100, of which the left 50 columns are hidden, after the alignment with those of A, from
-/// which each is `shift` away; A's places are found twice, so that they stay.
+/// Places of B in an image of 200×100, of which the left 50 columns are hidden, after the alignment with those of A,
+/// from which each is `shift` away; A's places are found twice, so that they stay.
 fn aligned_with(shifts: &[([f64; 2], [f64; 2], f32)]) -> (Vec<[f64; 2]>, usize, f64) {
     let plane = Plane::zeros(200, 100).masked(Mask::new(Plane::from_fn(200, 100, |u, _| f32::from(u >= 50))));
     let blobs: Vec<Blob> = shifts

@@ -1,7 +1,8 @@
-//! Claims about bursts from their frames alone: none that is false of noise, of still, flickering and orderly bursts and
-//! of several motions, while real events are reported.
+//! Claims about bursts from their frames alone: none that is false of noise, of still, flickering and orderly bursts
+//! and of several motions, while real events are reported.
 //!
-//! More bursts: `CLAIMS=20 cargo test -p burstscope-core --test detection claims -- --nocapture` takes 20 times as many.
+//! More bursts: `CLAIMS=20 cargo test -p burstscope-core --test detection claims -- --nocapture` takes 20 times as
+//! many.
 
 use super::found_slopes::{find, waves};
 use crate::prelude::*;

@@ -1,10 +1,10 @@
 //! Detection over the number of frames of a given burst: its middle n frames as a burst, for n = 2 … all.
 //!
 //! The search of all frames is the reference: a feature of fewer frames is *confirmed* when that search found it too,
-//! by the rule of [`burstscope_core::inspect::result`] (its features as discs of radius √2·σ, both bright or both dark).
-//! The middle n frames have a mid-burst of their own, half a frame before the whole burst's where n is odd and the
-//! number of all frames even or the other way round; positions are moved there along their slopes. With a truth, discs
-//! found and false features are counted as well, and with a second burst the matches between the two.
+//! by the rule of [`burstscope_core::inspect::result`] (its features as discs of radius √2·σ, both bright or both
+//! dark). The middle n frames have a mid-burst of their own, half a frame before the whole burst's where n is odd and
+//! the number of all frames even or the other way round; positions are moved there along their slopes. With a truth,
+//! discs found and false features are counted as well, and with a second burst the matches between the two.
 
 use super::ascending;
 use crate::synth::{FeatureTruth, Truth, TruthKind};

@@ -13,8 +13,8 @@
 //!
 //! And one of camera poses, [`poses`] (`burstscope evaluate poses`): how far a trajectory is from the true one.
 //!
-//! A study of the detector is a set of parameters, most of them a [`RowStudy`]: its `run` makes the synthetic bursts, runs the
-//! detector in parallel over them and returns a report that can be written as JSON.
+//! A study of the detector is a set of parameters, most of them a [`RowStudy`]: its `run` makes the synthetic bursts,
+//! runs the detector in parallel over them and returns a report that can be written as JSON.
 //! [`result`](burstscope_core::inspect::result) decides which discs count as found, [`curves`] draws the curves. A
 //! study gives the same report for any number of threads, and memory holds at most one burst for each thread.
 

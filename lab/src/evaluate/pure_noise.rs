@@ -55,8 +55,8 @@ pub struct NoiseStudy {
     /// of one of them.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", conflicts_with = "megapixels"))]
     pub seeds: Option<usize>,
-    /// Number of kinds of noise drawn from a grid of all cases, alone and in pairs, their strengths, periods, phases and
-    /// levels; the ten with most false features are measured again with other seeds, ten times as long, and shown.
+    /// Number of kinds of noise drawn from a grid of all cases, alone and in pairs, their strengths, periods, phases
+    /// and levels; the ten with most false features are measured again with other seeds, ten times as long, and shown.
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", conflicts_with_all = ["case", "sigma", "bits"]))]
     pub cases: Option<usize>,
     /// The first burst's seed.

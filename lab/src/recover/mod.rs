@@ -2,8 +2,8 @@
 //!
 //! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames, with the noise of their
 //! light. The search runs on every copy, and each thing is found, by the rule of [`burstscope_core::inspect::result`],
-//! or has a fate in the words of the [probe](burstscope_core::inspect::place::probe()). The [`report`] has the shares found
-//! over SNR, slope and size beside those expected, the SNR at which half are found, and a map of faintness.
+//! or has a fate in the words of the [probe](burstscope_core::inspect::place::probe()). The [`report`] has the shares
+//! found over SNR, slope and size beside those expected, the SNR at which half are found, and a map of faintness.
 //!
 //! Unknown slopes are found once, in the burst itself. Reports are the same for any number of threads, but for times.
 

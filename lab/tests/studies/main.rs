@@ -1,5 +1,5 @@
-//! The studies of the detector, on small inputs with numbers that must be plausible: charts, accuracy, planted things, advice,
-//! and matches along a trajectory.
+//! The studies of the detector, on small inputs with numbers that must be plausible: charts, accuracy, planted things,
+//! advice, and matches along a trajectory.
 
 #[path = "../../../core/tests/common/prelude.rs"]
 mod prelude;

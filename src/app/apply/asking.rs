@@ -1,6 +1,6 @@
 //! Work in the background, in one list of parts: in each pass the answers that came are taken, and what is missing is
-//! requested. What is missing, each part says as a value of what is set and found (`Read`); what an answer changes stands
-//! in this room, as it may move a cursor or a selection too.
+//! requested. What is missing, each part says as a value of what is set and found (`Read`); what an answer changes
+//! stands in this room, as it may move a cursor or a selection too.
 
 use crate::app::apply::{comparison, datasets, detection, explained, methods, pair, panes, probe, studies};
 use crate::app::document::Side;

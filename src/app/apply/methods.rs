@@ -1,5 +1,5 @@
-//! Methods that are compared: one piece of work at a time, so that times can be compared; what other workspaces found is
-//! shared; and the panes follow the methods that are shown.
+//! Methods that are compared: one piece of work at a time, so that times can be compared; what other workspaces found
+//! is shared; and the panes follow the methods that are shown.
 
 use crate::app::document::{MethodId, Side};
 use crate::app::pane::{MethodsPreset, PaneGroup};

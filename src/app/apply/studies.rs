@@ -143,8 +143,8 @@ pub fn close_trajectories(model: &mut Model) {
     model.results.poses = TrajectoryResults::default();
 }
 
-/// Takes the answers. Other trajectories than before reset pan and zoom, and another truth the selection; where one cannot
-/// be read, those that are open stay.
+/// Takes the answers. Other trajectories than before reset pan and zoom, and another truth the selection; where one
+/// cannot be read, those that are open stay.
 pub(super) fn take_trajectories(model: &mut Model, ended: Ended<PosesRequest>) {
     const TITLE: &str = "Trajectories";
     let (set, before) = (&mut model.document.trajectories, &model.results.poses.compared.read);

@@ -254,7 +254,12 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: 
     };
     let heading = |column: PairColumn| {
         let ([text, help], is_left) = (column.words(), column == PairColumn::Pair);
-        let width = if is_left { 120.0 } else { 50.0 };
+        let width = match column {
+            PairColumn::Pair => 120.0,
+            // Its heading is longer than its values.
+            PairColumn::InlierRatio => 66.0,
+            _ => 50.0,
+        };
         Heading { text, help, width, is_exact: !is_left, is_left, ..Heading::default() }
     };
     let mut opened = None;

@@ -39,8 +39,8 @@ pub fn near_slope(grid: &SlopeGrid) -> f32 {
     (0.55 * grid.u.step().max(grid.v.step())).max(0.1)
 }
 
-/// Whether the motion of `feature` differs from `slope` by at most `limit`; at the distance of [`near_slope`], whether it
-/// is at that slope of `grid`, so that there is one count of these.
+/// Whether the motion of `feature` differs from `slope` by at most `limit`; at the distance of [`near_slope`], whether
+/// it is at that slope of `grid`, so that there is one count of these.
 pub fn moves_by(grid: &SlopeGrid, feature: &Feature, slope: Slope, limit: f32) -> bool {
     if limit == near_slope(grid) {
         return is_at_slope(grid, feature, slope);

@@ -1,4 +1,5 @@
-//! Methods that are compared: the same detector on different inputs made from a burst; and their comparison as it is set.
+//! Methods that are compared: the same detector on different inputs made from a burst; and their comparison as it is
+//! set.
 
 use crate::app::defaults::with_defaults;
 use crate::app::words::choices;

@@ -199,8 +199,8 @@ fn marks(model: Read<'_>, layer: &FeatureLayer, drawn: &[usize]) -> Vec<FigureMa
     drawn.iter().map(mark).filter(has_numbers).collect()
 }
 
-/// Meanings of the colours of the `drawn` features: their slopes (at most 12), or the wheel of directions; the words and
-/// numbers that they have; or five steps through the range.
+/// Meanings of the colours of the `drawn` features: their slopes (at most 12), or the wheel of directions; the words
+/// and numbers that they have; or five steps through the range.
 fn legend(scale: &ColourScale, layer: &FeatureLayer, drawn: &[usize]) -> Vec<LegendEntry> {
     let features = || drawn.iter().map(|&i| (i, &layer.detection.features[i]));
     let grid = &layer.detection.slopes;

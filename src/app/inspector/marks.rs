@@ -96,7 +96,8 @@ pub(in crate::app) fn mid_burst(model: Read<'_>, id: PaneId, pos_image: Pos2) ->
     Some((pane.side, [place.x, place.y]))
 }
 
-/// Maps a mid-burst place of the burst of `side` that moves by `slope` to pane `id`; `None` for panes of the other burst.
+/// Maps a mid-burst place of the burst of `side` that moves by `slope` to pane `id`; `None` for panes of the other
+/// burst.
 fn in_pane(model: Read<'_>, id: PaneId, (side, place): (Side, [f32; 2]), slope: Slope) -> Option<Pos2> {
     let pane = model.pane(id).filter(|pane| pane.side == side)?;
     let kind = model.picture_in(id)?.request.kind;
@@ -222,8 +223,8 @@ const GAP: f32 = 6.0;
 /// Sides of the patches, points, the largest first: the first that fits is drawn.
 const PATCH_SIDES: [f32; 4] = [104.0, 80.0, 60.0, 44.0];
 
-/// Draws a place at mid-burst that moves by `slope` beside the pointer: in one frame, in the motion stack at that slope,
-/// and all in focus, with `text` below. `None` where the pane has no room beside the place.
+/// Draws a place at mid-burst that moves by `slope` beside the pointer: in one frame, in the motion stack at that
+/// slope, and all in focus, with `text` below. `None` where the pane has no room beside the place.
 fn loupe_ui(
     ui: &Ui,
     model: Read<'_>,

@@ -1,5 +1,5 @@
-//! Cursor of the focused pane: its sliders and buttons. Slopes along an axis have a slider, and below it bars of features
-//! and evidence, with the ends of the searched range, which can be dragged; others have a pad.
+//! Cursor of the focused pane: its sliders and buttons. Slopes along an axis have a slider, and below it bars of
+//! features and evidence, with the ends of the searched range, which can be dragged; others have a pad.
 
 use super::slopes::chart::{bar_text, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};

@@ -110,8 +110,8 @@ impl FeatureLayer {
         drawn.or_else(|| overlay::dot_at(self.placed(), &in_full.dots, output.ui_from_image, pos_ui))
     }
 
-    /// Whether a row of a comparison is drawn: where only this slope is shown, what is at it, by the motion of our feature
-    /// or by the row's own slope.
+    /// Whether a row of a comparison is drawn: where only this slope is shown, what is at it, by the motion of our
+    /// feature or by the row's own slope.
     pub fn draws(&self, row: &Row) -> bool {
         let Some(slope) = self.slope.filter(|_| self.only_slope) else { return true };
         let is_at = |own| is_at_slope(&self.detection.slopes, &Feature { slope: own, ..Feature::default() }, slope);

@@ -171,8 +171,9 @@ const KEPT_PASSES: u64 = 600;
 /// The square of values that are drawn whole.
 pub const WHOLE: [f32; 4] = [0.0; 4];
 
-/// Draws values into `rect` as sharp pixels. Their texture is kept under `name`, which is unique in the window, and made
-/// anew when their origin, the square of it or `display` have changed. Without `values` the last one is drawn again.
+/// Draws values into `rect` as sharp pixels. Their texture is kept under `name`, which is unique in the window, and
+/// made anew when their origin, the square of it or `display` have changed. Without `values` the last one is drawn
+/// again.
 pub fn draw_plane(
     ui: &Ui,
     (name, rect): (&str, Rect),

@@ -59,8 +59,8 @@ impl CoherenceState {
 }
 
 impl<'a> Read<'a> {
-    /// The slopes of the detection on show, if they are not known: always wanted, unless the detection took long. A single
-    /// frame has none. A running detection comes first.
+    /// The slopes of the detection on show, if they are not known: always wanted, unless the detection took long. A
+    /// single frame has none. A running detection comes first.
     pub fn missing_slopes(self) -> Option<ExplainRequest> {
         let is_time = self.document.workspace.inspects() && !self.results.slots.a.detecting.is_pending();
         let found =

@@ -58,7 +58,8 @@ pub struct Model {
     pub shell: Shell,
 }
 
-/// State of the window that is of no project: steps to undo, messages, its width, and the user's project during a lesson.
+/// State of the window that is of no project: steps to undo, messages, its width, and the user's project during a
+/// lesson.
 #[derive(Debug, Default)]
 pub struct Shell {
     pub history: History,

@@ -127,8 +127,8 @@ impl<'a> Read<'a> {
         }
     }
 
-    /// Index of the feature nearest to `saved` in place, scale and slope, if it is near enough to be the same feature; the
-    /// index in `saved` where nothing else is known.
+    /// Index of the feature nearest to `saved` in place, scale and slope, if it is near enough to be the same feature;
+    /// the index in `saved` where nothing else is known.
     pub fn find_again(self, saved: &SavedSelection) -> Option<usize> {
         if saved.sigma == 0.0 {
             return Some(saved.index).filter(|index| *index < self.features().len());

@@ -106,6 +106,13 @@ fn pointing(source: &Source) -> Vec<String> {
     found
 }
 
+/// Lines of comments above 120 characters.
+fn long_comments(source: &Source) -> impl Iterator<Item = String> + '_ {
+    let is_long = |line: &str| line.trim_start().starts_with("//") && line.chars().count() > 120;
+    let numbered = source.text.lines().enumerate().filter(move |(_, line)| is_long(line));
+    numbered.map(|(number, _)| format!("{}:{}", source.path.display(), number + 1))
+}
+
 /// Functions with a parameter of type `&mut Model`.
 fn takers(source: &Source) -> impl Iterator<Item = String> + '_ {
     source.code.match_indices(": &mut Model").map(|(at, _)| {
@@ -154,6 +161,7 @@ fn counts() -> Vec<Count> {
             36,
             sources.iter().flat_map(pointing).collect(),
         ),
+        Count::of("lines of comments above 120 characters", 0, sources.iter().flat_map(long_comments).collect()),
         Count::of("files above 600 lines", 0, which(&sources, |source| lines(source) > 600)),
         Count { bound: Some(556), ..Count::told("source files", sources.len()) },
         Count { bound: Some(4_000_000), ..Count::told("bytes of screenshots", screenshots::bytes(&stored)) },

@@ -43,8 +43,8 @@ fn the_document_imports_neither_results_nor_engine() {
     assert!(files > 20, "{files} files were read: too few to be all");
 }
 
-/// One room writes. What is set and found is values with functions of their own; the whole of both has no methods, and is
-/// changed in `app/apply` alone, which nothing that is read knows.
+/// One room writes. What is set and found is values with functions of their own; the whole of both has no methods, and
+/// is changed in `app/apply` alone, which nothing that is read knows.
 #[test]
 fn the_whole_is_written_in_one_room() {
     let window = window();

@@ -83,8 +83,8 @@ impl MotionField {
 }
 
 impl Beyond {
-    /// Whether a field measured over the wider range has less beyond it: an end hides what lies farther out. Where motion
-    /// `beyond` these slopes is asked for, it must be known there.
+    /// Whether a field measured over the wider range has less beyond it: an end hides what lies farther out. Where
+    /// motion `beyond` these slopes is asked for, it must be known there.
     pub(crate) fn is_held(
         &self,
         beyond: Option<&SlopeGrid>,

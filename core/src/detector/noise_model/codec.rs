@@ -11,6 +11,7 @@ use crate::detector::params::doc;
 use crate::error::Error;
 use crate::plane::Plane;
 use serde::Serialize;
+use std::ops::Range;
 
 /// Side of a codec's block, pixels; blocks begin at multiples of it.
 const SIDE: usize = 8;
@@ -19,7 +20,7 @@ const FRAMES: usize = 4;
 /// Share of flat blocks from which they are no evidence of low noise.
 const MIN_FLAT: f32 = 0.25;
 /// Ratio of the shares with structure, half a block off to in place, above which the blocks are a codec's.
-const OFF_TO_IN: f32 = 1.2;
+const OFF_TO_IN: f32 = 1.25;
 const SURE: f32 = 5.0;
 /// Number of parts of an image along each axis, and number of flattened ones from which all counts as flattened.
 const PARTS: usize = 4;
@@ -54,17 +55,17 @@ impl Flattened {
         let (count, looked) = (total.min(BLOCKS), frames.len().min(FRAMES));
         let frame = |i: usize| frames[i * (frames.len() - 1) / (looked - 1).max(1)];
         // By part of the image: the number of blocks, and of flat ones in place and half a block off.
-        let mut parts = [[0.0f32; 3]; PARTS * PARTS];
+        let mut parts = [[0usize; 3]; PARTS * PARTS];
         for (t, i) in (0..looked).flat_map(|t| (0..count).map(move |i| (t, i))) {
             let index = i * total / count;
             let (column, row) = (index % columns, index / columns);
             let of_part = &mut parts[row * PARTS / rows * PARTS + column * PARTS / columns];
             let flat = |off: usize| is_flat(frame(t), (SIDE * column + off, SIDE * row + off), step);
-            let [blocks, in_place, off] = of_part;
-            (*blocks, *in_place, *off) = (*blocks + 1.0, *in_place + number(flat(0)), *off + number(flat(SIDE / 2)));
+            let counts = [1, usize::from(flat(0)), usize::from(flat(SIDE / 2))];
+            of_part.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
         }
-        let all = parts.iter().fold([0.0; 3], |all, part| std::array::from_fn(|i| all[i] + part[i]));
-        let [share, shown] = [all[1] / all[0], 1.0 - all[2] / all[0]];
+        let all = [0, 1, 2].map(|i| parts.iter().map(|part| part[i]).sum());
+        let [share, shown] = shares(&all);
         // The noise of a part of the image alone may be flattened.
         let is_codec = is_codec(&all) || parts.iter().filter(|part| is_codec(part)).count() >= MIN_PARTS;
         if !is_codec && share < 1.0 {
@@ -78,7 +79,7 @@ impl Flattened {
 
     /// Variance around the place (u, v) of a frame of `size`, as a filter of `octave` collects it, relative to that in
     /// whole blocks.
-    pub(super) fn variance_at(&self, octave: i32, (u, v): (f32, f32), (width, height): (usize, usize)) -> f32 {
+    pub(super) fn variance_factor_at(&self, octave: i32, (u, v): (f32, f32), (width, height): (usize, usize)) -> f32 {
         let reach = CUT_REACH * (octave as f32).exp2();
         let along = |at: f32, n: usize, ratio: f32| {
             let cut = (n % SIDE) as f32;
@@ -128,38 +129,34 @@ fn cut_to_whole(frames: &[&Plane]) -> [f32; 2] {
     if whole == [width, height] {
         return [1.0; 2];
     }
-    // Sum and number of the squares in whole blocks, in cut columns and in cut rows.
-    let mut sums = [(0.0f64, 0usize); 3];
-    for pair in frames.windows(2) {
-        for v in 0..height {
-            let (left, right) = pair[0].row(v).split_at(whole[0]);
-            let (left_next, right_next) = pair[1].row(v).split_at(whole[0]);
-            let squares = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f32>();
-            let of_left = if v < whole[1] { 0 } else { 2 };
-            for (part, sum, count) in
-                [(of_left, squares(left, left_next), left.len()), (1, squares(right, right_next), right.len())]
-            {
-                // Rows that a mask hides are NaN.
-                if sum.is_finite() {
-                    sums[part].0 += f64::from(sum);
-                    sums[part].1 += count;
-                }
-            }
-        }
-    }
-    let [whole, columns, rows] = sums.map(|(sum, count)| if sum > 0.0 { sum / count as f64 } else { 0.0 });
-    [columns, rows].map(|cut| if cut > whole { (cut / whole) as f32 } else { 1.0 })
+    let mean_square = |columns: Range<usize>, rows: Range<usize>| {
+        let of_row = |(pair, v): (&[&Plane], usize)| {
+            let [one, next] = [0, 1].map(|t| &pair[t].row(v)[columns.clone()]);
+            one.iter().zip(next).map(|(a, b)| (a - b).powi(2)).sum::<f32>()
+        };
+        let pairs = frames.windows(2).flat_map(|pair| rows.clone().map(move |v| (pair, v)));
+        // Rows that a mask hides are NaN.
+        let seen = pairs.map(of_row).filter(|sum| sum.is_finite());
+        let (sum, count) = seen.fold((0.0, 0usize), |(sum, count), row| (sum + f64::from(row), count + columns.len()));
+        sum / count as f64
+    };
+    let [right, below] = whole;
+    let inside = mean_square(0..right, 0..below);
+    // Without cut blocks the mean is NaN, which is no larger.
+    [mean_square(right..width, 0..height), mean_square(0..right, below..height)]
+        .map(|cut| if cut > inside { (cut / inside) as f32 } else { 1.0 })
 }
 
-fn number(is_so: bool) -> f32 {
-    f32::from(u8::from(is_so))
+/// Share of flat blocks, and of those with structure half a block off, of their number, that of flat ones, and off.
+fn shares(counts: &[usize; 3]) -> [f32; 2] {
+    let [blocks, in_place, off] = counts.map(|count| count as f32);
+    [in_place / blocks, 1.0 - off / blocks]
 }
 
-/// Whether a codec made blocks flat, of their number and that of flat ones in place and half a block off: flat parts of
-/// a scene are flat at any offset, a codec's blocks only in place.
-fn is_codec([blocks, in_place, off]: &[f32; 3]) -> bool {
-    let (flat, shown) = (in_place / blocks, 1.0 - off / blocks);
-    let error = ((1.0 - flat) * flat / blocks).sqrt();
+/// Whether a codec made blocks flat: flat parts of a scene are flat at any offset, a codec's blocks only in place.
+fn is_codec(counts: &[usize; 3]) -> bool {
+    let [flat, shown] = shares(counts);
+    let error = ((1.0 - flat) * flat / counts[0] as f32).sqrt();
     flat >= MIN_FLAT && shown > OFF_TO_IN * (1.0 - flat) && shown - (1.0 - flat) > SURE * error
 }
 

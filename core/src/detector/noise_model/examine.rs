@@ -136,14 +136,11 @@ pub fn examine(
     let mut model = NoiseModel { pattern_share, flattened, warnings, pattern, ..model };
     fit_brightness(&mut model, &squares, looked.len(), (quantisation_step, bit));
     // The map costs a filter at every square: it is made only where the sparse squares disagree.
-    if flattened.is_some() || differ_by_place(&squares.0, &model.transfer, squares.1) {
+    if flattened.is_none() && differ_by_place(&squares.0, &model.transfer, squares.1) {
         let lattice = Lattice::dense(frames[0].size());
         let dense = measured(&HighPass::on_lattice(&looked_planes, lattice));
-        model.excess = match flattened {
-            Some(_) => ExcessMap::of_flattened(&dense.0, lattice),
-            None => ExcessMap::find(&dense.0, lattice, &model.transfer, dense.1),
-        };
-        if model.excess.is_some() && flattened.is_none() {
+        model.excess = ExcessMap::find(&dense.0, lattice, &model.transfer, dense.1);
+        if model.excess.is_some() {
             squares = seen(dense);
         }
     }
@@ -245,10 +242,6 @@ fn read(
 /// Variance by brightness, or, where it also depends on place, the mean over the squares inside.
 fn variance_in(model: &NoiseModel, middle: &BoxPyramid, squares: &[Square], region: &Region) -> f32 {
     let Region { columns, rows } = region;
-    // What a codec left is rare: how rare, and how strong, is measured over all tiles together.
-    if model.flattened.is_some() {
-        return model.transfer.variance(0.0);
-    }
     if model.excess.is_some() {
         let within = |x: f32, range: &Range<usize>| x >= range.start as f32 && x < range.end as f32;
         let inside = squares.iter().filter(|s| within(s.place.0, columns) && within(s.place.1, rows));

@@ -150,7 +150,7 @@ impl NoiseModel {
                 (u as i64 + offset.whole_u) as f32 + offset.part_u,
                 (v as i64 + offset.whole_v) as f32 + offset.part_v,
             );
-            let of_blocks = self.flattened.map_or(1.0, |flattened| flattened.variance_at(octave, at, size));
+            let of_blocks = self.flattened.map_or(1.0, |flattened| flattened.variance_factor_at(octave, at, size));
             sum += self.variance_at(pyramid, Some(octave), at) * of_blocks;
             count += 1;
         }

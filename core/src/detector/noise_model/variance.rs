@@ -225,8 +225,6 @@ const EVEN_SPREAD: f32 = 1.25;
 /// Reach of the noise that a filter collects, as the standard deviation of its square, in pixels of its octave.
 const COLLECTED: f32 = 2.0;
 const OCTAVES: i32 = 6;
-/// Side of the cells in which the noise of flattened frames is measured, squares of the lattice.
-const POOLED: usize = 2;
 
 pub fn differ_by_place(squares: &[Square], transfer: &PhotonTransfer, free: f32) -> bool {
     let ratios = sorted(squares.iter().map(|square| square.excess(transfer)).collect());
@@ -271,45 +269,14 @@ impl ExcessMap {
         if differing * 20 < known.len() {
             return None;
         }
-        Some(Self::of_cells(filled(&own, columns, rows), pitch as f32, lattice.first_px()))
-    }
-
-    /// Excess where a codec made noise rare, of large cells, since single squares hold none or much; at least 1, since
-    /// flat blocks are no evidence of low noise. `None` where no cell has significantly more than the mean of all.
-    pub(super) fn of_flattened(squares: &[Square], lattice: Lattice) -> Option<Self> {
-        let Lattice { columns, rows, pitch } = lattice;
-        let side = POOLED.min(columns / 4).min(rows / 4);
-        if side == 0 {
-            return None;
-        }
-        let (wide, high) = (columns / side, rows / side);
-        let (mut sums, mut counts) = (Plane::zeros(wide, high), Plane::zeros(wide, high));
-        // The last cells take the squares that are left over; hidden squares are NaN.
-        for (i, square) in squares.iter().enumerate().filter(|(_, square)| square.variance.is_finite()) {
-            let (x, y) = ((i % columns / side).min(wide - 1), (i / columns / side).min(high - 1));
-            sums.row_mut(y)[x] += square.variance;
-            counts.row_mut(y)[x] += 1.0;
-        }
-        let mean = sums.data().iter().sum::<f32>() / counts.data().iter().sum::<f32>();
-        let ratios = Plane::from_fn(wide, high, |x, y| {
-            if counts.at(x, y) > 0.0 { sums.at(x, y) / (counts.at(x, y) * mean) } else { 1.0 }
-        });
-        // Neighbours mostly differ by chance alone; half of the squares of a normal distribution lie below 0.455.
-        let pairs = (0..high).flat_map(|y| ratios.row(y).windows(2).map(|two| (two[0] - two[1]) / (two[0] + two[1])));
-        let error = (2.0 * median(pairs.map(|off| off * off).collect()) / 0.455).sqrt();
-        let sure = 1.0 + MIN_EXCESS.max(SURE * error);
-        let differing = ratios.data().iter().filter(|ratio| **ratio > sure).count();
-        let raised = Plane::from_fn(wide, high, |x, y| ratios.at(x, y).max(1.0));
-        (differing * 20 >= wide * high).then(|| Self::of_cells(raised, (side * pitch) as f32, lattice.first_px()))
-    }
-
-    fn of_cells(cells: Plane, cell_px: f32, first_px: f32) -> Self {
+        let cells = filled(&own, columns, rows);
+        let cell_px = pitch as f32;
         let raised = with_borders(&cells);
         let collected = |octave: i32| {
             let reach = COLLECTED * (octave as f32).exp2() / cell_px;
             if reach < 0.4 { raised.clone() } else { gaussian_blur(&raised, &GaussianKernel::new(f64::from(reach))) }
         };
-        Self { by_octave: (0..OCTAVES).map(collected).collect(), cells, cell_px, first_px }
+        Some(Self { by_octave: (0..OCTAVES).map(collected).collect(), cells, cell_px, first_px: lattice.first_px() })
     }
 
     /// Excess that the filters of `octave` collect around the image's place (u, v); `None`: as measured.

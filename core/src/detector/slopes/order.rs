@@ -17,8 +17,8 @@ use rayon::prelude::*;
 
 /// Least gain of an event over even times, nats: twice ln 400, about what the luckiest of 400 events gains by noise.
 const MIN_NATS: f64 = 12.0;
-/// Least gain besides, nats for each block that shows nothing: its slope fits the noise anew for each event. In the dark
-/// this gained 8.1 in the worst of 936 bursts where nothing happened.
+/// Least gain besides, nats for each block that shows nothing: its slope fits the noise anew for each event. In the
+/// dark this gained 8.1 in the worst of 936 bursts where nothing happened.
 const BLIND_NATS: f64 = 8.5;
 /// Least gain of the even-numbered blocks, and of the odd-numbered ones, nats.
 const MIN_HALF_NATS: f64 = 5.0;

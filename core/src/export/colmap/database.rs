@@ -138,7 +138,8 @@ impl DatabaseWriter<'_> {
         read.optional().map(Option::unwrap_or_default).map_err(|e| failure(self.path, &e))
     }
 
-    /// Adds the two-view geometry of images `a` and `b` in place of any before; errors and panics as of [`Self::add_matches`].
+    /// Adds the two-view geometry of images `a` and `b` in place of any before; errors and panics as of
+    /// [`Self::add_matches`].
     pub fn add_geometry(&mut self, a: u32, b: u32, geometry: &DatabaseGeometry) -> Result<()> {
         let id = self.pair_of(a, b, &geometry.inliers);
         let DatabaseGeometry { kind, inliers, matrix, b_from_a } = geometry;

@@ -21,8 +21,8 @@ pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
     rasterise_at(drawing, pixels_per_unit(drawing))
 }
 
-/// Draws a figure as [`rasterise`] does, in larger pixels where it would have more than `most_px` (columns, rows). Fails
-/// when the figure is too large for a file of pixels, if it goes to one.
+/// Draws a figure as [`rasterise`] does, in larger pixels where it would have more than `most_px` (columns, rows).
+/// Fails when the figure is too large for a file of pixels, if it goes to one.
 pub fn rasterise_preview(drawing: &Drawing, most_px: [u32; 2], to_pixels: bool) -> Result<RgbaImage, String> {
     let whole = pixels_per_unit(drawing);
     if to_pixels {

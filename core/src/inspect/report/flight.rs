@@ -80,9 +80,9 @@ const WEAKEST: usize = 20;
 const FEW: f32 = 0.25;
 const NOISY: f32 = 2.0;
 
-/// Bursts that need somebody, the worst first, at most five, each with the reason: one that failed, a fault of the slopes,
-/// few features beside the others, no verified pair, slopes that cannot be judged, much noise beside the others, or more
-/// slopes than needed.
+/// Bursts that need somebody, the worst first, at most five, each with the reason: one that failed, a fault of the
+/// slopes, few features beside the others, no verified pair, slopes that cannot be judged, much noise beside the
+/// others, or more slopes than needed.
 pub fn worst_bursts(rows: &[FlightRow]) -> Vec<(&FlightRow, String)> {
     let known =
         |of: fn(&BurstHealth) -> f32| median(rows.iter().filter_map(|row| row.health.as_ref().ok().map(of)).collect());

@@ -1,6 +1,6 @@
 //! Advice: that of the judgement on direction, range and step; on frames that add nothing, and on frames that much of
-//! the picture has left. It is tried before it is offered: the advice that would be given after its changes is computed,
-//! from the frames and their field of motion over the changed slopes.
+//! the picture has left. It is tried before it is offered: the advice that would be given after its changes is
+//! computed, from the frames and their field of motion over the changed slopes.
 
 use super::fit::Judging;
 use super::{Spectrum, coverage_share};

@@ -39,8 +39,8 @@ const ENOUGH_FEATURES: usize = 10;
 const STRAIGHT_PX: f32 = 1.4;
 /// Part of the motion seen that slopes hold at least where they fit.
 const FITS: f32 = 0.8;
-/// Sum of the significances of the evidence from which slopes can fit: in frames that show less, a layer, an exchange of
-/// frames and a bend go unseen.
+/// Sum of the significances of the evidence from which slopes can fit: in frames that show less, a layer, an exchange
+/// of frames and a bend go unseen.
 const SHOWN: f32 = 600.0;
 /// Such a sum from which nothing moves where all of it is slow: still frames show 300 or more at SNR 0.5.
 const STILL: f32 = 150.0;
@@ -59,7 +59,8 @@ pub struct SlopeJudgement {
 }
 
 impl SlopeJudgement {
-    /// Whether the slopes hold the motion that the frames show, as more than are needed do; `None` where too little shows.
+    /// Whether the slopes hold the motion that the frames show, as more than are needed do; `None` where too little
+    /// shows.
     pub fn holds(&self) -> Option<bool> {
         let fault = self.advice.as_ref().map(|advice| advice.subject == AdviceSubject::Cost);
         fault.or(self.fits.then_some(true))

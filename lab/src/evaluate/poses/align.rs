@@ -180,7 +180,8 @@ impl Projection {
         self.about().0
     }
 
-    /// The plane's axes. `cameras` matter only for the principal plane, and for the free view, which begins as they look.
+    /// The plane's axes. `cameras` matter only for the principal plane, and for the free view, which begins as they
+    /// look.
     pub fn axes(self, cameras: &[Isometry3<f64>]) -> PlaneAxes {
         match self.about().2 {
             Some([right, up]) => PlaneAxes { right, up },

@@ -68,8 +68,8 @@ pub struct TrajectoryParams {
     /// Largest apparent motion on an axis, pixels per frame; the camera's speed is chosen for it.
     #[cfg_attr(feature = "cli", arg(long, value_name = "SLOPE", default_value_t = Self::default().max_slope))]
     pub max_slope: f64,
-    /// Degrees by which the camera turns during a burst, about, unevenly and about all axes; its orientation in each frame
-    /// is then in the burst's rotations.txt.
+    /// Degrees by which the camera turns during a burst, about, unevenly and about all axes; its orientation in each
+    /// frame is then in the burst's rotations.txt.
     #[cfg_attr(feature = "cli", arg(long = "shake", value_name = "DEGREES", default_value_t = Self::default().shake_deg))]
     pub shake_deg: f64,
     /// Amount of light.
@@ -358,9 +358,10 @@ pub struct BurstTruth {
 }
 
 /// Writes a trajectory into the folder `dir`, which is created: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png`
-/// (the views at mid-burst without noise, 16 bit), `bursts/NAME/rotations.txt` of a camera that shakes, `poses.txt` (lines `timestamp tx ty tz qx qy qz qw`: the burst's
-/// number, the camera in the world at mid-burst), `lens.toml` (the camera) and `trajectory.json` (the truth). An
-/// earlier trajectory in `dir` is replaced as a whole; a folder that holds anything else is left unchanged.
+/// (the views at mid-burst without noise, 16 bit), `bursts/NAME/rotations.txt` of a camera that shakes, `poses.txt`
+/// (lines `timestamp tx ty tz qx qy qz qw`: the burst's number, the camera in the world at mid-burst), `lens.toml` (the
+/// camera) and `trajectory.json` (the truth). An earlier trajectory in `dir` is replaced as a whole; a folder that
+/// holds anything else is left unchanged.
 ///
 /// # Errors
 /// The folder is a link, holds other files or cannot be written, or cancellation; it is then unchanged.

@@ -88,8 +88,8 @@ impl PairTable {
     }
 }
 
-/// Inliers of a pair beside those that a mapper needs, and the step at which most of the features of its first burst were
-/// lost, as far as it is known: without the `steps` of each feature the counts alone tell.
+/// Inliers of a pair beside those that a mapper needs, and the step at which most of the features of its first burst
+/// were lost, as far as it is known: without the `steps` of each feature the counts alone tell.
 pub fn lost_text(counts: &MatchCounts, steps: Option<&[(Lost, usize); 6]>) -> (String, Lost) {
     let MatchCounts { keypoints_a, putative, inliers, refused, not_mutual, .. } = *counts;
     let by_descriptor = keypoints_a.saturating_sub(putative + not_mutual.unwrap_or(0));
