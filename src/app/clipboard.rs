@@ -28,13 +28,6 @@ pub fn place_text(readout: &Readout) -> String {
     format!("{}, {}", fixed(readout.u, 2), fixed(readout.v, 2)).replace('−', "-")
 }
 
-pub fn picture_of(model: Read<'_>, id: PaneId) -> Option<egui::ColorImage> {
-    let picture = model.picture_in(id)?;
-    let (width, height) = picture.plane.size();
-    let rgba = picture.rgba(&model.display_of(id), model.features_of_motion(id));
-    Some(egui::ColorImage::from_rgba_unmultiplied([width, height], rgba.as_raw()))
-}
-
 pub fn is_asked(ctx: &egui::Context) -> bool {
     let asked = ctx.input(|i| i.events.iter().any(|event| matches!(event, egui::Event::Copy)));
     // Text that is selected in a label is copied by egui itself.
@@ -44,9 +37,8 @@ pub fn is_asked(ctx: &egui::Context) -> bool {
 
 /// Returns the note about what was copied.
 pub fn copy_row(ctx: &egui::Context, model: Read<'_>, widgets: &PaneWidgets) -> Option<String> {
-    let readouts = model.document.panes.shown().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
-    let value = readouts.into_iter().next().map(|readout| readout.value.to_string());
-    let text = selected_text(model).or(value)?;
+    let readout = model.document.panes.shown().into_iter().find_map(|id| widgets.get(id)?.picture.readout);
+    let text = selected_text(model).or(readout.map(|readout| readout.value.to_string()))?;
     let what = text.lines().last().unwrap_or_default().replace('\t', "  ");
     ctx.copy_text(text);
     Some(format!("Copied {what}"))
@@ -62,8 +54,7 @@ fn selected_text(model: Read<'_>) -> Option<String> {
 /// Returns the note about what was copied, or why there is no command.
 pub fn copy_command(ctx: &egui::Context, model: Read<'_>) -> Option<Result<String, &'static str>> {
     let side = model.active_side();
-    let burst = model.burst_of(side)?;
-    Some(command_text(&burst.source, side, model).map(|line| {
+    Some(command_text(&model.burst_of(side)?.source, side, model).map(|line| {
         let note = format!("Copied {line}");
         ctx.copy_text(line);
         note
@@ -71,9 +62,8 @@ pub fn copy_command(ctx: &egui::Context, model: Read<'_>) -> Option<Result<Strin
 }
 
 fn command_text(source: &BurstSource, side: Side, model: Read<'_>) -> Result<String, &'static str> {
-    let inputs = source
-        .arguments()
-        .ok_or("this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts")?;
+    let no_file = "this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts";
+    let inputs = source.arguments().ok_or(no_file)?;
     // Built-in bursts are opened without calibration.
     let built_in = OpenOptions::default();
     let is_of_files = matches!(source, BurstSource::Paths(_));
@@ -81,8 +71,10 @@ fn command_text(source: &BurstSource, side: Side, model: Read<'_>) -> Result<Str
     Ok(detect_line(&inputs, &model.asked_of(side), calibration))
 }
 
-pub fn copy_picture(ctx: &egui::Context, model: Read<'_>) -> Option<String> {
-    ctx.copy_image(picture_of(model, model.document.focus())?);
+pub fn copy_picture(ctx: &egui::Context, model: Read<'_>, id: PaneId) -> Option<String> {
+    let picture = model.picture_in(id)?;
+    let rgba = picture.rgba(&model.display_of(id), model.features_of_motion(id));
+    ctx.copy_image(egui::ColorImage::from_rgba_unmultiplied(picture.plane.size().into(), rgba.as_raw()));
     Some("Copied the picture".to_owned())
 }
 
@@ -95,12 +87,12 @@ mod tests {
     fn the_command_has_the_calibration_with_which_files_were_opened() {
         let mut model = Model::default();
         model.document.calibration.full_scale = Some(4095.0);
-        let of_files =
-            command_text(&BurstSource::Paths(vec!["a.npy".into()]), Side::A, Read::of(&model)).expect("files");
+        let command = |source| command_text(&source, Side::A, Read::of(&model));
+        let of_files = command(BurstSource::Paths(vec!["a.npy".into()])).expect("files");
         assert!(of_files.contains("a.npy") && of_files.contains("4095"), "{of_files}");
-        let built_in = command_text(&BurstSource::Demo, Side::A, Read::of(&model)).expect("built in");
+        let built_in = command(BurstSource::Demo).expect("built in");
         assert!(built_in.contains("demo") && !built_in.contains("4095"), "{built_in}");
         let dark = BurstSource::DarkCopy { of: Box::new(BurstSource::Demo), noise: model.document.lab.dark_copy };
-        assert!(command_text(&dark, Side::A, Read::of(&model)).is_err_and(|why| why.contains("synth")));
+        assert!(command(dark).is_err_and(|why| why.contains("synth")));
     }
 }

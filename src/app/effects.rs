@@ -22,9 +22,8 @@ impl BurstscopeApp {
     /// Applies the actions of this pass. What they change is drawn in the next one.
     pub(super) fn act(&mut self, ctx: &egui::Context, queue: Queue) {
         let pointed = self.model.results.pointed();
-        let mut is_changed = false;
+        let is_changed = queue.0.iter().any(|action| !matches!(action, Action::Point(_)));
         for action in queue.0 {
-            is_changed |= !matches!(action, Action::Point(_));
             self.run(ctx, action);
             methods::refresh_workspace(&mut self.model);
         }
@@ -153,7 +152,7 @@ impl BurstscopeApp {
                 ctx.copy_text(include_str!("../../assets/burstscope.bib").to_owned());
                 model.shell.messages.note("Copied the program and the paper as BibTeX");
             }
-            ActionId::CopyPicture => self.note(clipboard::copy_picture(ctx, Read::of(&self.model))),
+            ActionId::CopyPicture => self.note(clipboard::copy_picture(ctx, self.read(), self.model.document.focus())),
             _ => self.stage([id]),
         }
     }

@@ -101,8 +101,7 @@ pub(super) fn purpose_of_dropped(
         ([_], _) if model.document.workspace == Workspace::Trajectories => {
             // The first file dropped is the estimate, the second the truth; a third replaces the estimate.
             let [estimate, _, truth] = &model.results.poses.compared.read;
-            let wants_truth = estimate.is_some() && truth.is_none();
-            Purpose::OpenTrajectory(if wants_truth { Which::Truth } else { Which::Estimate })
+            Purpose::OpenTrajectory(if estimate.is_some() && truth.is_none() { Which::Truth } else { Which::Estimate })
         }
         _ => Purpose::OpenFiles(side),
     }
@@ -180,8 +179,7 @@ fn prepare(purpose: Purpose, lesson: Option<&Lesson>, model: Read<'_>, widgets: 
     match purpose {
         Purpose::SaveParams => Ok(settings_work(model.asked().to_toml())),
         Purpose::SaveSession => {
-            let session = Session::of(model).ok_or("no burst is open; open one first")?;
-            Ok(settings_work(session.to_toml()))
+            Ok(settings_work(Session::of(model).ok_or("no burst is open; open one first")?.to_toml()))
         }
         Purpose::Export(ExportKind::Csv) => features_work(model, ExportFormat::Csv),
         Purpose::Export(ExportKind::Colmap) => features_work(model, ExportFormat::Colmap),
@@ -203,9 +201,8 @@ fn prepare(purpose: Purpose, lesson: Option<&Lesson>, model: Read<'_>, widgets: 
             let film = model.film_to_export().ok_or("there is no burst; open one first")?;
             let rate = model.document.film.rate;
             Ok(work(move |path| {
-                let count = film.steps().len();
                 // Nobody was asked whether other pictures with such numbers may be replaced.
-                let pictures = film_files(path, count).into_iter().filter(|file| file != path);
+                let pictures = film_files(path, film.steps().len()).into_iter().filter(|file| file != path);
                 let free = || pictures.clone().try_for_each(|file| OutputRules::default().check(&file));
                 film.write(path, rate, &export::rasterise, &free, &Monitor::default())
             }))
@@ -230,17 +227,15 @@ fn settings_work(toml: String) -> Work {
 
 fn case_work(model: Read<'_>) -> Result<Work, String> {
     let open = model.results.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
-    let is_of_a = model.document.probe.side == Side::A;
-    let place = model.probed_place().filter(|_| is_of_a);
+    let place = model.probed_place().filter(|_| model.document.probe.side == Side::A);
     let answer = model.results.probed.answer.as_ref().filter(|_| place.is_some());
     let note = answer.map_or_else(String::new, |answer| answer.probe.summary.clone());
     let search = model.asked();
     let session = Session::of(model).map(|session| session.for_case().to_toml());
     Ok(work(move |path| -> Result<(), JobError> {
         if path.extension().is_none_or(|ending| ending != CASE_EXTENSION) {
-            let problem =
-                format!("{}: a case is opened by its ending; name the file .{CASE_EXTENSION}", path.display());
-            return Err(JobError::Failed(problem));
+            let why = format!("{}: a case is opened by its ending; name the file .{CASE_EXTENSION}", path.display());
+            return Err(JobError::Failed(why));
         }
         let (case, burst) = Case::of(&open.burst, &search, (place, None), &note, &Monitor::default())?;
         let enclosed = Enclosed { session, truth: open.truth(&Monitor::default())? };
@@ -341,33 +336,25 @@ mod tests {
     use crate::app::results::Model;
     use std::time::Duration;
 
-    const EXPORTS: [ExportKind; 11] = {
-        use ExportKind::*;
-        [Csv, Colmap, Npz, Png, Tiff, Figure, Matches, Profile, CurvesCsv, CurvesSvg, Report]
-    };
-
     fn prepared(purpose: Purpose, model: Read<'_>) -> Result<Work, String> {
         prepare(purpose, None, model, &PaneWidgets::default())
     }
 
     #[test]
     fn what_is_missing_is_said_with_what_to_do() {
+        use ExportKind::*;
         let model = Model::default();
-        for kind in EXPORTS {
+        for kind in [Csv, Colmap, Npz, Png, Tiff, Figure, Matches, Profile, CurvesCsv, CurvesSvg, Report] {
             match prepared(Purpose::Export(kind), Read::of(&model)) {
                 // Curves that are not there are a file without lines.
-                Ok(_) => assert!(matches!(kind, ExportKind::CurvesCsv | ExportKind::CurvesSvg), "{kind:?}"),
+                Ok(_) => assert!(matches!(kind, CurvesCsv | CurvesSvg), "{kind:?}"),
                 Err(why) => assert!(why.contains("first") && why.starts_with("there") || why.contains(';'), "{why}"),
             }
         }
-        assert_eq!(
-            prepared(Purpose::SaveSession, Read::of(&model)).err().as_deref(),
-            Some("no burst is open; open one first")
-        );
-        assert!(
-            prepared(Purpose::OpenFolder(Side::A), Read::of(&model)).is_err(),
-            "nothing is written when something is opened"
-        );
+        let why = prepared(Purpose::SaveSession, Read::of(&model)).err();
+        assert_eq!(why.as_deref(), Some("no burst is open; open one first"));
+        let opens = prepared(Purpose::OpenFolder(Side::A), Read::of(&model));
+        assert!(opens.is_err(), "nothing is written when something is opened");
     }
 
     #[test]
@@ -398,8 +385,8 @@ mod tests {
         assert_eq!(SearchParams::from_toml(&read(&toml)).expect("parameters").levels, 3);
         // A folder that is made is fine; a file in place of a folder is not.
         let nowhere = csv.join("p.toml");
-        let why =
-            prepared(Purpose::SaveParams, Read::of(&model)).expect("always")(&nowhere).expect_err("that is no folder");
+        let work = prepared(Purpose::SaveParams, Read::of(&model)).expect("always");
+        let why = work(&nowhere).expect_err("that is no folder");
         assert!(why.contains("f.csv"), "{why}");
     }
 }

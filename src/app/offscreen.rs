@@ -82,6 +82,7 @@ impl Offscreen {
         }
         Ok(())
     }
+
     /// Runs one frame with `events` as input; returns the time until the window wants the next one.
     pub fn frame(&mut self, events: Vec<egui::Event>, draw: impl FnMut(&mut egui::Ui)) -> Duration {
         let mut input = egui::RawInput {
@@ -190,10 +191,8 @@ pub fn render_offscreen<App>(
         let delay = offscreen.frame(Vec::new(), |ui| draw(&mut app, ui));
         // One more frame after the last answer shows the answer.
         idle_frames = if is_idle(&mut app) { idle_frames + 1 } else { 0 };
-        if frame >= MIN_FRAMES && idle_frames >= 2 {
-            break;
-        }
-        if Instant::now() >= end || monitor.is_cancelled() {
+        let has_settled = frame >= MIN_FRAMES && idle_frames >= 2;
+        if has_settled || Instant::now() >= end || monitor.is_cancelled() {
             break;
         }
         if idle_frames == 0 {
@@ -264,10 +263,8 @@ mod tests {
         };
         none.instance_descriptor.backends = wgpu::Backends::empty();
         let error = Offscreen::with_setup(vec2(10.0, 10.0), 1.0, none.into()).err().unwrap();
-        assert!(
-            error.problem.contains("no graphics adapter") && error.remedy.contains("mesa-vulkan-drivers"),
-            "{error}"
-        );
+        let helps = error.problem.contains("no graphics adapter") && error.remedy.contains("mesa-vulkan-drivers");
+        assert!(helps, "{error}");
         for size in [vec2(0.0, 10.0), vec2(1e9, 10.0), vec2(f32::NAN, 10.0), vec2(16384.0, 200.0)] {
             let error = Offscreen::new(size, 1.0, AdapterChoice::Software).err().unwrap();
             assert_eq!(error.kind, ErrorKind::TooLarge, "{error}");

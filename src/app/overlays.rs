@@ -134,8 +134,7 @@ impl Overlays {
             if !purpose.saves() {
                 return Some(Effect::UseFiles(purpose, vec![path]));
             }
-            let is_there = std::fs::symlink_metadata(&path).is_ok();
-            if is_there && files::may_replace(&path, model).check(&path).is_ok() {
+            if std::fs::symlink_metadata(&path).is_ok() && files::may_replace(&path, model).check(&path).is_ok() {
                 self.replace_file = Some(ReplaceFile::new(purpose, path));
                 return None;
             }

@@ -134,8 +134,7 @@ fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), Error> {
     let params = options.startup.params.at(SlopeGrid::single(options.slope.unwrap_or_default()));
     params.validate_for(&burst.positions, burst.size())?;
     if options.kind == ViewKind::Dog || options.octave.is_some() {
-        let octave = options.octave.unwrap_or(params.first_octave);
-        check_level(&params, burst.size(), octave, options.level)?;
+        check_level(&params, burst.size(), options.octave.unwrap_or(params.first_octave), options.level)?;
     }
     Ok(())
 }

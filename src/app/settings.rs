@@ -63,15 +63,12 @@ impl Settings {
 
     /// Paths that were opened for such a purpose, the last one first.
     pub fn recent_paths(&self, purpose: Purpose) -> Vec<String> {
-        let paths: Vec<&[PathBuf]> = match purpose {
-            Purpose::OpenDataset => self.datasets.iter().map(|source| &source.paths[..]).collect(),
-            _ if purpose.opens_burst() => self.recent.iter().map(BurstSource::paths).collect(),
+        let one = |paths: &[PathBuf]| if let [path] = paths { Some(path.display().to_string()) } else { None };
+        match purpose {
+            Purpose::OpenDataset => self.datasets.iter().filter_map(|source| one(&source.paths)).collect(),
+            _ if purpose.opens_burst() => self.recent.iter().filter_map(|source| one(source.paths())).collect(),
             _ => Vec::new(),
-        };
-        paths
-            .iter()
-            .filter_map(|paths| Some(<&[PathBuf; 1]>::try_from(*paths).ok()?[0].display().to_string()))
-            .collect()
+        }
     }
 
     pub fn remember_dataset(&mut self, source: &DatasetSource) {
@@ -98,8 +95,7 @@ impl Settings {
 
     pub fn take_from(&mut self, document: &Document) {
         (self.theme, self.panels, self.auto_detect) = (document.theme, document.panels, document.auto_detect);
-        (self.links, self.match_look) = (document.pair_links(), document.match_look);
-        self.figure = document.figure;
+        (self.links, self.match_look, self.figure) = (document.pair_links(), document.match_look, document.figure);
     }
 }
 

@@ -56,28 +56,25 @@ impl Startup {
 /// The user was not asked, so nothing may be lost: the window saves its session, closes, finishes the files that it is
 /// writing, and leaves the session to be offered at the next start. All clones refer to the same window.
 #[derive(Debug, Clone, Default)]
-pub struct EndRequest(Arc<Shared>);
-
-#[derive(Debug, Default)]
-struct Shared {
-    is_made: AtomicBool,
-    window: OnceLock<egui::Context>,
+pub struct EndRequest {
+    is_made: Arc<AtomicBool>,
+    window: Arc<OnceLock<egui::Context>>,
 }
 
 impl EndRequest {
     pub fn make(&self) {
-        self.0.is_made.store(true, Ordering::SeqCst);
-        if let Some(window) = self.0.window.get() {
+        self.is_made.store(true, Ordering::SeqCst);
+        if let Some(window) = self.window.get() {
             window.request_repaint();
         }
     }
 
     pub fn is_made(&self) -> bool {
-        self.0.is_made.load(Ordering::SeqCst)
+        self.is_made.load(Ordering::SeqCst)
     }
 
     /// Sets the window that a request wakes. An earlier request is seen in the window's first pass.
     pub(super) fn wakes(&self, window: &egui::Context) {
-        let _ = self.0.window.set(window.clone());
+        let _ = self.window.set(window.clone());
     }
 }

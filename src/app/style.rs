@@ -1,8 +1,8 @@
 //! Style of the window: muted colours, small type and little spacing, so that most of the space is for the picture.
 
 use super::view::with_minus;
-use egui::style::NumberFormatter;
-use egui::{Color32, CornerRadius, FontId, Stroke, Style, TextStyle, Theme, style::ScrollStyle, vec2};
+use egui::style::{NumberFormatter, ScrollStyle, Widgets};
+use egui::{Color32, CornerRadius, FontId, Stroke, Style, TextStyle, Theme, vec2};
 
 /// Accent colour in both themes: a blue that is neither end of a diverging map.
 pub const ACCENT: Color32 = Color32::from_rgb(0x2f, 0x7f, 0xd6);
@@ -42,13 +42,8 @@ fn common(style: &mut Style) {
     // Space is reserved for the scroll bar, so that it never covers a widget.
     style.spacing.scroll = ScrollStyle { floating_allocated_width: 9.0, ..ScrollStyle::floating() };
     style.spacing.combo_width = 60.0;
-    for widget in [
-        &mut style.visuals.widgets.noninteractive,
-        &mut style.visuals.widgets.inactive,
-        &mut style.visuals.widgets.hovered,
-        &mut style.visuals.widgets.active,
-        &mut style.visuals.widgets.open,
-    ] {
+    let Widgets { noninteractive, inactive, hovered, active, open } = &mut style.visuals.widgets;
+    for widget in [noninteractive, inactive, hovered, active, open] {
         widget.corner_radius = CornerRadius::same(4);
     }
     style.visuals.menu_corner_radius = CornerRadius::same(6);

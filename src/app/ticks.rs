@@ -4,17 +4,15 @@
 
 use egui_plot::{GridInput, GridMark};
 
-/// Distance between ticks where there is room, in the toolkit's smallest distances between grid lines: 32 points.
-const ROOMY: f64 = 4.0;
-/// Distance below which the toolkit leaves out labels, in the same unit.
-const TIGHT: f64 = 2.6;
-
-/// Distances of the ticks of a horizontal axis, whose labels are wider than high.
+/// Distance between ticks where there is room, and the distance below which the toolkit leaves out labels, in the
+/// toolkit's smallest distances between grid lines: 8 points.
+const HIGH: [f64; 2] = [4.0, 2.6];
+/// The same of a horizontal axis, whose labels are wider than high.
 const WIDE: [f64; 2] = [10.0, 7.6];
 
 /// Ticks of a vertical axis, for [`egui_plot::Plot::y_grid_spacer`]: multiples of 1, 2 or 5 times a power of ten.
 pub fn of_height(input: GridInput) -> Vec<GridMark> {
-    ticks(input, [ROOMY, TIGHT])
+    ticks(input, HIGH)
 }
 
 /// Ticks of a horizontal axis, for [`egui_plot::Plot::x_grid_spacer`].

@@ -58,10 +58,9 @@ impl BurstscopeApp {
         startup.end.wakes(ctx);
         let waker = ctx.clone();
         let on_update: OnUpdate = Arc::new(move || waker.request_repaint());
-        let model = Model::from(Document::of_new_window());
         let begins = startup.actions();
         let mut app = Self {
-            model,
+            model: Model::from(Document::of_new_window()),
             engine: Engine::new(on_update.clone(), startup.settings.cache_bytes()),
             widgets: PaneWidgets::default(),
             thumbnails: Thumbnails::default(),
@@ -220,8 +219,7 @@ impl BurstscopeApp {
             }
             self.stage(staged);
         }
-        let step = self.lessons.open.as_ref().map(|open| open.step);
-        parts::want(ctx, self.lessons.highlighted(), step);
+        parts::want(ctx, self.lessons.highlighted(), self.lessons.open.as_ref().map(|open| open.step));
     }
 
     fn keep_session(&mut self, ctx: &egui::Context) {

@@ -98,11 +98,9 @@ pub(super) fn run(args: &ReportArgs) -> Outcome {
     let info = Info { name: input.name.clone(), ..input.source.clone()?.info(&options, &silent)? };
     let burst = input.open_to_search(&options, &params, &silent)?;
     // Checked before the long search. Of too few frames the page says so.
-    let is_known = args.study.check(&params, burst.len()).or_else(|error| match error.subject == "copies" {
-        true => Err(error),
-        false => Ok(()),
-    });
-    is_known.and_then(|()| args.at.iter().try_for_each(|(_, place)| check_place(*place, burst.size())))?;
+    let checked = args.study.check(&params, burst.len());
+    checked.or_else(|error| if error.subject == "copies" { Err(error) } else { Ok(()) })?;
+    args.at.iter().try_for_each(|(_, place)| check_place(*place, burst.size()))?;
     let cache = ProbeCache::new(&burst, &params, &console.monitor.part(0.0, SEARCH_SHARE))?;
     let rest = console.monitor.part(SEARCH_SHARE, 1.0 - SEARCH_SHARE);
     let named = |(number, (name, at)): (usize, &(Option<String>, [f32; 2]))| {
@@ -173,7 +171,6 @@ fn run_flight(args: &ReportArgs, inputs: &[Input], pairs: Option<&ColmapReport>)
         (report.pairs.iter().map(of).collect::<Vec<_>>(), &report.joined)
     });
     let (pairs, joined) = pairs.unzip();
-    let document = document! { params, file: path_text(&args.out), bursts, worst, pairs, joined };
-    console.say_document("report", &document)?;
+    console.say_document("report", &document! { params, file: path_text(&args.out), bursts, worst, pairs, joined })?;
     if rows.iter().all(|row| row.health.is_ok()) { Ok(()) } else { Err(Failure::Reported) }
 }

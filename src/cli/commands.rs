@@ -170,10 +170,8 @@ mod tests {
         let (burst, truth) =
             made("chart --width 64 --height 48 --discs 1 --radius 3.6:6 --frames 2 --max-slope 1").expect("a chart");
         assert_eq!((burst.len(), burst.size(), truth.features.len()), (2, (64, 48), 1));
-        assert_eq!(
-            made("scene --width 64 --height 48 --frames 3 --layers 1 --max-slope 1").expect("a scene").0.len(),
-            3
-        );
+        let scene = made("scene --width 64 --height 48 --frames 3 --layers 1 --max-slope 1").expect("a scene");
+        assert_eq!(scene.0.len(), 3);
         for (line, words) in [
             ("chart --width 3", "give 16 to 32768"),
             ("chart --widht 64", "unexpected argument '--widht'"),

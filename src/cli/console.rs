@@ -54,11 +54,8 @@ impl Console {
     /// The first signal that asks the program to end cancels the work, the second ends the program at once.
     pub fn new(output: &OutputArgs) -> Outcome<Self> {
         if let Some(threads) = output.threads {
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(usize::from(threads))
-                .build_global()
-                .context("cannot start the threads")
-                .map_err(Failure::Failed)?;
+            let started = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
+            started.context("cannot start the threads").map_err(Failure::Failed)?;
         }
         memory::set_budget(output.memory);
         let is_terminal = std::io::stderr().is_terminal();
@@ -117,9 +114,8 @@ impl Console {
         }
         let (version, commit, detector_revision) = (env!("CARGO_PKG_VERSION"), burstscope_core::COMMIT, REVISION);
         let document = Both { one: document! { version, commit, detector_revision, command }, other: report };
-        let text = serde_json::to_string_pretty(&document)
-            .context("cannot put the results into JSON")
-            .map_err(Failure::Failed)?;
+        let text = serde_json::to_string_pretty(&document).context("cannot put the results into JSON");
+        let text = text.map_err(Failure::Failed)?;
         self.bar.suspend(|| print_json(&(text + "\n"))).map_err(Failure::output)
     }
 
@@ -178,7 +174,7 @@ mod tests {
     use crate::monitor::Stage;
 
     #[test]
-    fn a_line_comes_after_a_minute_and_then_one_a_minute() {
+    fn a_line_comes_after_a_minute_and_says_what_is_done_and_how_long_the_rest_takes_at_this_pace() {
         let mut lines = Lines::default();
         let mut due = |seconds: f32, fraction| {
             lines.due(Duration::from_secs_f32(seconds), Progress { stage: Stage::Noise, fraction })
@@ -186,10 +182,6 @@ mod tests {
         let times = [0.0, 1.0, 59.5, 60.0, 60.5, 119.5, 125.0, 124.0, 180.0, 184.5, 185.0];
         let printed: Vec<f32> = times.into_iter().filter(|time| due(*time, 0.5).is_some()).collect();
         assert_eq!(printed, [60.0, 125.0, 185.0]);
-    }
-
-    #[test]
-    fn a_line_says_what_is_done_and_how_long_the_rest_takes_at_this_pace() {
         let said = |began: u64, now: u64, fraction| {
             let mut lines = Lines::default();
             lines.begin(Duration::from_secs(began), "[3/12] night: ".to_owned());

@@ -162,36 +162,18 @@ mod tests {
     use crate::requests::detect_line;
     use clap::Parser;
 
-    fn understood(
-        inputs: &[&str],
-        params: &SearchParams,
-        calibration: &OpenOptions,
-    ) -> (Vec<PathBuf>, SearchParams, OpenOptions) {
-        let inputs: Vec<String> = inputs.iter().map(|input| (*input).to_owned()).collect();
-        let line = detect_line(&inputs, params, calibration);
-        let cli =
-            Cli::try_parse_from(shlex::split(&line).expect("closed quotes")).unwrap_or_else(|e| panic!("{line}: {e}"));
-        let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
-        let params = args.bursts.run.search.params().unwrap_or_else(|e| panic!("{line}: {e:?}"));
-        (args.bursts.inputs, params, args.bursts.run.calibration)
-    }
-
     #[test]
     fn the_command_understands_what_the_window_says() {
         let plain = SearchParams::default();
-        assert_eq!(
-            detect_line(&["demo".to_owned()], &plain, &OpenOptions::default()),
-            "burstscope detect demo --out features"
-        );
+        let line = detect_line(&["demo".to_owned()], &plain, &OpenOptions::default());
+        assert_eq!(line, "burstscope detect demo --out features");
         let (_, everything) = crate::cli::search_options::tests::everything();
-        let line =
-            |degrees| SearchParams { slopes: Slopes::Auto { direction_deg: Some(degrees) }, ..SearchParams::default() };
+        let along = SearchParams { slopes: Slopes::Auto { direction_deg: Some(-12.5) }, ..plain.clone() };
         let given = SearchParams { slopes: SlopeGrid::default().into(), ..plain.clone() };
         let strict = SearchParams { noise_gate: NoiseGate::Strict, ..given.clone() };
         let apart = SearchParams { distinct: Distinct::Radius(1.4), ..given.clone() };
         let still = SearchParams { slopes: SlopeGrid::single(Slope::default()).into(), ..given.clone() };
         let paper = SearchParams { levels: 5, ..given.under(Rules::BUFF) };
-        let cases: [SearchParams; 7] = [plain, everything, line(-12.5), strict, apart, still, paper];
         let calibration = OpenOptions {
             bias: Some("dark frames/b.tiff".into()),
             full_scale: Some(4095.0),
@@ -209,9 +191,14 @@ mod tests {
             views: "9x9:eslf".parse().ok(),
             ..OpenOptions::default()
         };
-        for params in cases {
-            let (inputs, read, options) = understood(&["demo"], &params, &calibration);
-            assert_eq!((inputs, read, &options), (vec![PathBuf::from("demo")], params, &calibration));
+        for params in [plain, everything, along, strict, apart, still, paper] {
+            let line = detect_line(&["demo".to_owned()], &params, &calibration);
+            let words = shlex::split(&line).expect("closed quotes");
+            let cli = Cli::try_parse_from(words).unwrap_or_else(|e| panic!("{line}: {e}"));
+            let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
+            let BurstsArgs { inputs, run, .. } = args.bursts;
+            let read = run.search.params().unwrap_or_else(|e| panic!("{line}: {e:?}"));
+            assert_eq!((inputs, read, &run.calibration), (vec![PathBuf::from("demo")], params, &calibration));
         }
     }
 }

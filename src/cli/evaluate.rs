@@ -97,7 +97,7 @@ fn noise(args: &NoiseArgs) -> Outcome {
         (Method::Buff, Some(slopes)) => one(if slopes.is_plane() { "BuFF 2D" } else { "BuFF 1D" }),
         (Method::Buff, None) => NoiseStudy::searches(&detector),
     };
-    let white = args.bits.iter().flat_map(|bits| args.sigma.iter().map(|&sigma| NoiseLevel::white(sigma, bits.0)));
+    let white = args.bits.iter().flat_map(|bits| args.sigma.iter().map(|&sigma| NoiseLevel::white(sigma, *bits)));
     let of_case = |case: NoiseKind| NoiseLevel { case, sigma: args.case_sigma, bits: None, mean: args.case_level };
     // Named kinds take the place of white noise; without names all kinds are measured.
     let all = NoiseCase::ALL.into_iter().filter(|case| *case != NoiseCase::White).map(NoiseKind::from);
@@ -246,14 +246,14 @@ pub struct NoiseArgs {
     pub file: TableArgs,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Bits(pub Option<u32>);
+/// Bits of a converter; `None` for numbers that are not rounded.
+type Bits = Option<u32>;
 
 fn parse_bits(text: &str) -> Result<Bits, String> {
-    if text == "none" {
-        return Ok(Bits(None));
+    match text {
+        "none" => Ok(None),
+        _ => text.parse().map(Some).map_err(|_| format!("'{text}' is neither 'none' nor a number of bits")),
     }
-    text.parse().map(|bits| Bits(Some(bits))).map_err(|_| format!("'{text}' is neither 'none' nor a number of bits"))
 }
 
 /// Count how often the sentence about the slopes is right.

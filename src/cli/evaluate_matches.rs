@@ -187,8 +187,7 @@ fn methods(args: &MatchesArgs, has_gold: bool, finds_slopes: bool) -> Vec<BurstM
     use BurstMethod::{Buff1d, Buff2d, BuffAuto, SiftFrame, SiftMerge};
     // Given ranges are for BuFF 1D and 2D; without a range each burst's own slopes are found.
     let buff: &[BurstMethod] = if finds_slopes { &[BuffAuto] } else { &[Buff1d, Buff2d] };
-    let gold = has_gold.then_some(&BurstMethod::Gold);
-    gold.into_iter().chain(&[SiftFrame, SiftMerge]).chain(buff).copied().collect()
+    has_gold.then_some(&BurstMethod::Gold).into_iter().chain(&[SiftFrame, SiftMerge]).chain(buff).copied().collect()
 }
 
 /// Sharp images of the bursts, where `--gold` names them: cut as the bursts are, or one for each burst.
@@ -199,8 +198,7 @@ fn sharp_inputs(args: &MatchesArgs, inputs: &[Input]) -> Outcome<Option<Vec<Inpu
     let mut found = resolve_bursts(sharp, args.sequence, &options)?;
     if found.len() != inputs.len() {
         // A folder with one picture for each burst.
-        let single = SequenceArgs { burst_length: Some(1), burst_step: None };
-        found = resolve_bursts(sharp, single, &options)?;
+        found = resolve_bursts(sharp, SequenceArgs { burst_length: Some(1), burst_step: None }, &options)?;
     }
     if found.len() != inputs.len() {
         return Err(Failure::usage(format!(

@@ -119,14 +119,11 @@ pub(super) fn methods_table(report: &ChartReport) -> Table {
             Some(snr) => (snr, at.at.value() as usize),
             None => (at.at.value(), frames_of(&report.chart)),
         };
-        let mut cells = vec![Cell::Text(snr.to_string()), Cell::count(frames), of.method.name().into()];
+        let begin = [Cell::Text(snr.to_string()), Cell::count(frames), of.method.name().into()];
         let means = [of.true_positives, of.default_true_positives, of.default_false_features];
-        cells.extend(means.into_iter().flat_map(with_error));
-        cells.extend([
-            Cell::of(of.default_false_per_disc.map(|n| n.mean), 2),
-            Cell::of(of.noise_estimate_ratio.map(|ratio| ratio.mean), 3),
-        ]);
-        cells
+        let per_disc = Cell::of(of.default_false_per_disc.map(|n| n.mean), 2);
+        let noise = Cell::of(of.noise_estimate_ratio.map(|ratio| ratio.mean), 3);
+        begin.into_iter().chain(means.into_iter().flat_map(with_error)).chain([per_disc, noise]).collect()
     };
     let rows = report.rows.iter().flat_map(|at| at.methods.iter().map(move |of| (at, of)));
     Table::new("Discs found", METHOD_COLUMNS, rows.map(row).collect())
@@ -226,11 +223,9 @@ fn errors_text(row: &AccuracyRow) -> String {
 /// `drawn` is the study of all kinds, of which `report` has the worst.
 pub(super) fn noise_text(report: &NoiseReport, drawn: Option<&NoiseReport>) -> String {
     let columns = report.rows.first().map_or(&[][..], |row| &row.searches);
-    let heads: Vec<String> = ["noise", "sigma", "mean", "bits"]
-        .map(str::to_owned)
-        .into_iter()
-        .chain(columns.iter().map(|search| format!("{}, {} slopes", search.label, search.slopes)))
-        .collect();
+    let heads = ["noise", "sigma", "mean", "bits"].map(str::to_owned).into_iter();
+    let searches = columns.iter().map(|search| format!("{}, {} slopes", search.label, search.slopes));
+    let heads: Vec<String> = heads.chain(searches).collect();
     let rows = report.rows.iter().map(|row| {
         let NoiseLevel { sigma, bits, case, mean } = row.level;
         let level = [case.name(), sigma.to_string(), mean.to_string(), or_dash(bits, |bits| bits.to_string())];

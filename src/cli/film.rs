@@ -71,9 +71,8 @@ pub(super) fn run(args: &FilmArgs) -> Outcome {
     let OneBurst { console, input, options, rules } = args.bursts.begin("film", &[named.first()])?;
     let burst = input.open(&options, &console.monitor.part(0.0, 0.1))?;
     params.at_given().validate_for(&burst.positions, burst.size())?;
-    let source = BurstSource::Paths(input.paths().to_vec());
     let mut film = Film {
-        burst: OpenBurst::new(burst, source),
+        burst: OpenBurst::new(burst, BurstSource::Paths(input.paths().to_vec())),
         params: params.at_given(),
         sweep: args.sweep,
         slope: args.slope,

@@ -38,8 +38,7 @@ pub(super) fn run(args: &InfoArgs) -> Outcome {
     let (mut bursts, mut failures) = (Vec::new(), Vec::new());
     for input in inputs {
         let name = input.name.clone();
-        let described = input.source.clone().and_then(|source| source.info(&options, &console.monitor));
-        match described {
+        match input.source.clone().and_then(|source| source.info(&options, &console.monitor)) {
             Ok(info) => {
                 let info = Info { name, ..info };
                 console.say(&info.text())?;

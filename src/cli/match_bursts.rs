@@ -27,8 +27,7 @@ pub(super) fn run(args: &MatchArgs) -> Outcome {
     let inputs = resolve_pair(&args.a, &args.b, &args.run.calibration)?;
     let files = |input: &Input| BurstFiles { name: input.name.clone(), paths: input.paths().to_vec() };
     let (bursts, file): (Vec<_>, _) = (inputs.iter().map(files).collect(), &args.run.search.file);
-    let paths = [args.a.clone(), args.b.clone()];
-    let cameras = args.matching.cameras(file, &bursts, &paths, CameraChoice::default())?;
+    let cameras = args.matching.cameras(file, &bursts, &[args.a.clone(), args.b.clone()], CameraChoice::default())?;
     let [of_a, of_b] = [0, 1].map(|side| cameras.of_burst(&bursts[side].name));
     let matching = args.matching.params(file, cameras.known().next())?.with_cameras(of_a.known(), of_b.known());
     let options = open_options(&inputs, &args.run.calibration)?;
@@ -56,11 +55,10 @@ pub(super) fn run(args: &MatchArgs) -> Outcome {
     // From here on files are written: a cancelled run leaves none behind.
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
-    let rows = match_rows(&a.features, &b.features, &result);
     // Checked again, because the searches took long.
     folder.check()?;
     [&matches, &picture].into_iter().try_for_each(|file| job.rules.check(file))?;
-    write_matches_csv(&matches, &rows)?;
+    write_matches_csv(&matches, &match_rows(&a.features, &b.features, &result))?;
     write_drawing(&picture, &drawing)?;
     folder.check()?;
     let model = result.verification.as_ref().and_then(|v| v.model.as_ref());

@@ -107,11 +107,10 @@ pub fn run_in(arguments: &[OsString], worker: Option<DecodeWorker>, host: Host) 
     let cli = match parsed.and_then(|matches| kept_integers(&matches).and_then(|()| Cli::from_arg_matches(&matches))) {
         Ok(cli) => cli,
         Err(error) => {
-            // Help and version are "errors" of clap that go to the standard output with code 0; wrong use is 2.
-            let code = if error.use_stderr() { 2 } else { 0 };
             // A closed pipe is no reason to complain about a help page.
             let _ = error.print();
-            return code;
+            // Help and version are "errors" of clap that go to the standard output with code 0; wrong use is 2.
+            return if error.use_stderr() { 2 } else { 0 };
         }
     };
     #[cfg(all(feature = "app", target_os = "linux"))]
@@ -121,8 +120,7 @@ pub fn run_in(arguments: &[OsString], worker: Option<DecodeWorker>, host: Host) 
     #[cfg(not(all(feature = "app", target_os = "linux")))]
     let _ = host;
     signals::survive_file_size_limit();
-    let result = memory::refusable(|| done(&cli)).unwrap_or_else(|refused| Err(refused.into()));
-    match result {
+    match memory::refusable(|| done(&cli)).unwrap_or_else(|refused| Err(refused.into())) {
         Ok(()) => 0,
         Err(failure) => {
             failure.print();

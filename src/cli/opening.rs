@@ -62,39 +62,20 @@ pub(super) fn what_to_open(arguments: &[PathBuf], sequence: SequenceArgs, option
 mod tests {
     use super::*;
     use crate::cli::inputs::DEMO;
-    use std::path::Path;
-
-    fn picture(path: &Path) {
-        image::GrayImage::from_pixel(8, 8, image::Luma([9])).save(path).expect("written");
-    }
 
     #[test]
-    fn two_arguments_are_two_bursts_if_each_is_one() {
-        let home = tempfile::tempdir().expect("a folder");
-        let folder = home.path().join("night");
-        std::fs::create_dir(&folder).expect("made");
-        let file = |t: usize| home.path().join(format!("f{t}.png"));
-        for t in 0..2 {
-            picture(&folder.join(format!("{t}.png")));
-            picture(&file(t));
-        }
-        let names = |two: [Input; 2]| two.map(|input| input.name);
-        assert_eq!(
-            two_of(&[folder.clone(), "demo-later".into()], &OpenOptions::default()).map(names),
-            Some(["night".into(), "demo-later".into()])
-        );
-        assert!(two_of(&[file(0), file(1)], &OpenOptions::default()).is_none(), "two pictures are frames of one burst");
-        assert!(two_of(std::slice::from_ref(&folder), &OpenOptions::default()).is_none());
-    }
-
-    #[test]
-    fn several_bursts_are_a_dataset_for_the_window() {
+    fn two_arguments_are_two_bursts_if_each_is_one_and_several_bursts_are_a_dataset() {
         let home = tempfile::tempdir().expect("a folder");
         let film = |name: &str| home.path().join(name);
+        let frame = |name: &str, t: usize| film(name).join(format!("{t}.png"));
         for name in ["a", "b"] {
             std::fs::create_dir(film(name)).expect("made");
-            (0..4).for_each(|t| picture(&film(name).join(format!("{t}.png"))));
+            (0..4).for_each(|t| image::GrayImage::new(8, 8).save(frame(name, t)).expect("written"));
         }
+        let two = |paths: &[PathBuf]| two_of(paths, &OpenOptions::default()).map(|two| two.map(|input| input.name));
+        assert_eq!(two(&[film("a"), "demo-later".into()]), Some(["a".into(), "demo-later".into()]));
+        assert_eq!(two(&[frame("a", 0), frame("a", 1)]), None, "two pictures are frames of one burst");
+        assert_eq!(two(&[film("a")]), None);
         let open = |paths: &[PathBuf], burst_length| {
             what_to_open(paths, SequenceArgs { burst_length, burst_step: None }, &OpenOptions::default())
         };

@@ -40,10 +40,8 @@ pub(super) fn run(args: &ProbeArgs) -> Outcome {
         probe_figure(&answer, &input.name).write(path)?;
     }
     let remedy = answer.subject_fate().and_then(|fate| Some((fate.of_sample(), &fate.remedy.as_ref()?.change)));
-    let price = match remedy.filter(|_| args.price) {
-        Some((sample, change)) => Some(price(&cache, &burst, change, Some(sample), &console.monitor)?),
-        None => None,
-    };
+    let price_of = |(sample, change)| price(&cache, &burst, change, Some(sample), &console.monitor);
+    let price = remedy.filter(|_| args.price).map(price_of).transpose()?;
     let mut text = String::new();
     if let Some(finding) = &cache.finding {
         text += &format!("slopes {}\n", finding.summary());

@@ -70,8 +70,7 @@ pub(super) fn run(args: &RecoverArgs) -> Outcome {
         let note = format!("{} things planted, seed {}", truth.features.len(), truth.seed);
         let (case, copy) = Case::of(&copy, &study.search, (None, None), &note, &console.monitor)?;
         rules.check(path)?;
-        let enclosed = Enclosed { session: None, truth: Some(truth) };
-        write_case(path, (&case, &copy), &enclosed, &console.monitor.silent())?;
+        write_case(path, (&case, &copy), &Enclosed { session: None, truth: Some(truth) }, &console.monitor.silent())?;
         console.say(&format!("wrote {}\n", path.display()))?;
     }
     write_figure(&console, args.plot.as_deref(), &rules, || recover_figure(&report))?;

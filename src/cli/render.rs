@@ -171,8 +171,6 @@ fn parse_size(text: &str) -> Result<(f32, f32), String> {
 }
 
 fn parse_scale(text: &str) -> Result<f32, String> {
-    text.parse()
-        .ok()
-        .filter(|x| (0.5..=4.0).contains(x))
-        .ok_or_else(|| format!("'{text}' is not a factor from 0.5 to 4"))
+    let scale = text.parse().ok().filter(|x| (0.5..=4.0).contains(x));
+    scale.ok_or_else(|| format!("'{text}' is not a factor from 0.5 to 4"))
 }

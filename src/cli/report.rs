@@ -243,10 +243,8 @@ mod tests {
 
     #[test]
     fn a_number_that_rounds_to_zero_has_no_minus() {
-        assert_eq!(
-            [-0.004, -0.0, 0.004, -0.006].map(|x| format!("{:.2}", unsigned_zero(x, 2))),
-            ["0.00", "0.00", "0.00", "-0.01"]
-        );
+        let texts = [-0.004, -0.0, 0.004, -0.006].map(|x| format!("{:.2}", unsigned_zero(x, 2)));
+        assert_eq!(texts, ["0.00", "0.00", "0.00", "-0.01"]);
         let text = histogram(&[SlopeCount { u: -0.0, v: -0.001, features: 3 }], None);
         assert!(text.contains("(  0.00,   0.00)"), "{text}");
     }

@@ -47,9 +47,8 @@ impl Args for SearchArgs {
                 option(record)
             }
         });
-        command
-            .mut_arg("params", |arg| arg.help_heading(HEADING))
-            .args(options.map(|option| option.help_heading(HEADING)))
+        let command = command.mut_arg("params", |arg| arg.help_heading(HEADING));
+        command.args(options.map(|option| option.help_heading(HEADING)))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -64,8 +63,7 @@ impl FromArgMatches for SearchArgs {
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
+        Self::from_arg_matches(matches).map(|args| *self = args)
     }
 }
 
@@ -135,9 +133,8 @@ fn usual_file() -> Option<PathBuf> {
 }
 
 fn text_of(path: &Path) -> Outcome<String> {
-    read_text(path, MAX_SETTINGS_BYTES)
-        .with_context(|| format!("cannot read the parameter file {}", path.display()))
-        .map_err(Failure::Failed)
+    let text = read_text(path, MAX_SETTINGS_BYTES);
+    text.with_context(|| format!("cannot read the parameter file {}", path.display())).map_err(Failure::Failed)
 }
 
 fn nonsense(path: &Path, text: &str, why: &str) -> Failure {

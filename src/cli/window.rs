@@ -165,8 +165,7 @@ fn begin_without_display(name: &str, else_is_done: &str) -> Outcome<(PathBuf, Co
 }
 
 fn draw(startup: Startup, file: &Path, console: &Console) -> Outcome {
-    let options = RenderOptions { startup, monitor: console.monitor.clone(), ..RenderOptions::default() };
-    drawn(&options, file)?;
+    drawn(&RenderOptions { startup, monitor: console.monitor.clone(), ..RenderOptions::default() }, file)?;
     console.say(&format!("wrote {}\n", file.display()))
 }
 

@@ -111,12 +111,9 @@ impl State {
     /// running request has all cores, and a lane answers in the order of its requests.
     fn take(&mut self, limit: Urgency) -> Option<WaitingJob> {
         let is_free = |job: &WaitingJob| {
-            job.manner.urgency <= limit
-                && (!self.stop || job.manner.urgency == Urgency::Write)
-                && !self
-                    .running
-                    .iter()
-                    .any(|running| running.manner.lane == job.manner.lane || running.kind == job.kind)
+            let Manner { urgency, lane, .. } = job.manner;
+            let is_before = |running: &RunningJob| running.manner.lane == lane || running.kind == job.kind;
+            urgency <= limit && (!self.stop || urgency == Urgency::Write) && !self.running.iter().any(is_before)
         };
         let free = self.waiting.iter().enumerate().filter(|(_, job)| is_free(job));
         let index = free.min_by_key(|(index, job)| (job.manner.urgency, *index))?.0;
@@ -154,8 +151,7 @@ impl JobQueue {
                 .spawn(move || work(&its, &thread, limit))
                 .expect("the system can start a handful of threads")
         };
-        let threads = THREADS.into_iter().map(start).collect();
-        Self { shared, threads }
+        Self { threads: THREADS.into_iter().map(start).collect(), shared }
     }
 
     pub(super) fn new_kind(&self) -> u32 {

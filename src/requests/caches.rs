@@ -3,7 +3,7 @@
 //! A trail that was not kept is made again once for all askers: judged from a kept one where only thresholds differ,
 //! continued from one of other slopes.
 
-use super::{BurstId, JobError, OpenBurst, PictureAnswer, PictureKey, PictureRequest};
+use super::{BurstId, JobError, OpenBurst, PictureAnswer, PictureKey, PictureKind, PictureRequest};
 use crate::detector::{DetectorParams, SearchParams, SlopeFinding, memory};
 use crate::inspect::ProbeCache;
 use crate::monitor::Monitor;
@@ -55,7 +55,8 @@ impl PictureCache {
 
     /// Frames are not kept: the burst holds them. Nor is a picture that exceeds the budget.
     pub fn insert(&mut self, picture: &PictureAnswer) {
-        if picture.is_frame() || picture.bytes() > self.budget_bytes {
+        let is_frame = matches!(picture.request.kind, PictureKind::Frame(_)) && picture.request.minus().is_none();
+        if is_frame || picture.bytes() > self.budget_bytes {
             return;
         }
         // Two requests may compute the same picture at once.

@@ -65,9 +65,8 @@ request! {
                 changes_since(features.insert(read).iter().map(Spot::from).collect(), &spots)
             }
             ReferenceSource::Truth { burst, params } => {
-                let truth = burst.truth(monitor)?;
-                let truth =
-                    truth.ok_or_else(|| JobError::Failed("nothing is known of what is really there".to_owned()))?;
+                let unknown = || JobError::failed("nothing is known of what is really there");
+                let truth = burst.truth(monitor)?.ok_or_else(unknown)?;
                 let cache = trails.get_or_make_for(burst, params, monitor)?;
                 let against = against_truth(&cache, &truth, monitor)?;
                 Differences::Truth { against: Box::new(against), truth: Arc::new(truth) }

@@ -99,8 +99,7 @@ impl Request for DetectionSource {
     }
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Traced, JobError> {
-        let cache = work.caches.trails.get_or_make(&self, work.monitor)?;
-        Ok(Traced { burst: self.burst.id, cache })
+        Ok(Traced { burst: self.burst.id, cache: work.caches.trails.get_or_make(&self, work.monitor)? })
     }
 }
 
@@ -187,7 +186,6 @@ pub struct Coherences {
 request! {
     CoherenceRequest => Coherences: |self, work| {
         let (cache, rest) = trail_and_rest(&work.caches.trails, &self.of, work.monitor)?;
-        let values = Arc::new(judged(&cache.trail, &rest)?);
-        Ok(Coherences { detection: self.detection, values })
+        Ok(Coherences { values: Arc::new(judged(&cache.trail, &rest)?), detection: self.detection })
     }
 }

@@ -50,9 +50,8 @@ pub fn line_of(grid: &SlopeGrid, features: &[Feature]) -> Option<(f32, SlopeAxis
     let (sin, cos) = angle.sin_cos();
     let step = f64::from(grid.u.step().max(grid.v.step()));
     let is_on = |at: &[f64; 2]| ((at[1] - centre[1]) * cos - (at[0] - centre[0]) * sin).abs() <= step;
-    let on = seen.iter().filter(|(at, _)| is_on(at));
     let (mut share, mut min, mut max) = (0.0, f64::INFINITY, f64::NEG_INFINITY);
-    for (at, weight) in on {
+    for (at, weight) in seen.iter().filter(|(at, _)| is_on(at)) {
         let along = at[0] * cos + at[1] * sin;
         (share, min, max) = (share + weight / total, min.min(along), max.max(along));
     }

@@ -47,7 +47,7 @@ pub use open::{BurstId, FolderRequest, OpenBurst, PREVIEW_OCTAVES, ShapeRequest}
 pub(crate) use picture::PictureKey;
 pub use picture::{PictureAnswer, PictureRequest, Preview};
 pub use request::{JobError, JobId, PossibleShape, Request, Running, Urgency, Work, time_left};
-pub use source::BurstSource;
+pub use source::{BurstSource, make_absolute};
 pub use study::{ComparedPoses, PosesRequest, ReadTrajectory, StudyRequest, TrajectorySource, Which};
 
 use std::sync::Arc;

@@ -129,8 +129,7 @@ impl PictureRequest {
 
     pub(crate) fn key(&self) -> PictureKey {
         let minus = self.minus().map(|minus| (minus.burst.id, minus.kind_key()));
-        let smoothing_bits = self.smoothing_px.to_bits();
-        PictureKey { burst: self.burst.id, kind: self.kind_key(), minus, smoothing_bits }
+        PictureKey { burst: self.burst.id, kind: self.kind_key(), minus, smoothing_bits: self.smoothing_px.to_bits() }
     }
 
     fn kind_key(&self) -> KindKey {
@@ -200,16 +199,13 @@ impl PictureAnswer {
         let drawn = Arc::new(smoothed(&self.plane, sigma, monitor)?);
         Ok(Self { drawn, request: self.request.smoothed(sigma_px), ..self })
     }
-
-    pub(crate) fn is_frame(&self) -> bool {
-        matches!(self.request.kind, PictureKind::Frame(_)) && self.request.minus.is_none()
-    }
 }
 
 /// Computes a picture that is not a difference.
 fn plain(request: PictureRequest, work: &Work<'_, PictureAnswer>) -> Result<PictureAnswer, JobError> {
     let (trails, monitor) = (&work.caches.trails, work.monitor);
     let mut motion = None;
+    let no_field = || JobError::failed(NO_FIELD);
     let burst = &request.burst.burst;
     let plane = match request.kind {
         PictureKind::Frame(index) => burst.frames.get(index).cloned().ok_or_else(|| {
@@ -237,22 +233,17 @@ fn plain(request: PictureRequest, work: &Work<'_, PictureAnswer>) -> Result<Pict
         PictureKind::Map { map: ViewKind::Motion, octave, level, .. } => {
             let cache = trails.get_or_make_for(&request.burst, &request.params, monitor)?;
             let winning = winning_slopes(&cache.trail, octave, level, monitor)?;
-            let snr = Arc::new(winning.snr.clone());
             motion = Some(Arc::new(MotionMap::winning(&winning, &request.params.used_slopes())));
-            snr
+            Arc::new(winning.snr)
         }
         PictureKind::Map { map: ViewKind::Field, .. } => {
-            let grid = request.params.used_slopes();
-            let Some(field) = field_view(burst, &request.params, monitor)? else {
-                return Err(JobError::Failed(NO_FIELD.to_owned()));
-            };
+            let field = field_view(burst, &request.params, monitor)?.ok_or_else(no_field)?;
             let lengths = Arc::new(field.magnitudes(burst.size()));
-            motion = Some(Arc::new(MotionMap::field(field, burst.size(), &grid)));
+            motion = Some(Arc::new(MotionMap::field(field, burst.size(), &request.params.used_slopes())));
             lengths
         }
         PictureKind::Map { map: ViewKind::InFocus, .. } => {
-            let in_focus = in_focus_view(burst, &request.params, monitor)?;
-            Arc::new(in_focus.ok_or_else(|| JobError::Failed(NO_FIELD.to_owned()))?)
+            Arc::new(in_focus_view(burst, &request.params, monitor)?.ok_or_else(no_field)?)
         }
         PictureKind::Map { map, octave, level, slope } => {
             let (burst, params) = prepare(burst, &request.params, monitor)?;

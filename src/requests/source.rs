@@ -22,6 +22,12 @@ pub enum BurstSource {
     Paths(Vec<PathBuf>),
 }
 
+pub fn make_absolute(path: &mut PathBuf) {
+    if let Ok(absolute) = std::path::absolute(&*path) {
+        *path = absolute;
+    }
+}
+
 impl BurstSource {
     /// The same with absolute paths, so that it can be opened from any folder.
     #[must_use]
@@ -33,9 +39,7 @@ impl BurstSource {
             inner = of;
         }
         if let Self::Paths(paths) = inner {
-            for path in paths {
-                *path = std::path::absolute(&*path).unwrap_or_else(|_| path.clone());
-            }
+            paths.iter_mut().for_each(make_absolute);
         }
         source
     }

@@ -74,8 +74,7 @@ impl Glossary {
         struct File {
             word: Vec<Word>,
         }
-        let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
-        let mut words = file.word;
+        let File { word: mut words } = toml::from_str(text).map_err(|error| error.to_string())?;
         // A kind of picture that gets another name must not lose its entry unnoticed.
         for Word { word, pictures: explained, .. } in &words {
             if let Some(name) = explained.iter().find(|name| !pictures().any(|picture| picture == **name)) {

@@ -115,15 +115,12 @@ impl Lesson {
 impl StepTable {
     fn step(self, default: &State) -> Result<Step, String> {
         let Text(title) = self.title;
+        let wrong = |problem: &str| Err(format!("step '{title}' {problem}"));
         let task = match (self.r#try, self.goal) {
             (Some(Text(text)), Some(goal)) if !goal.is_empty() => Some(Task { text, goal }),
             (None, None) => None,
-            (Some(_), _) => {
-                return Err(format!("step '{title}' has 'try' but no 'goal'; add the goal that ends the task"));
-            }
-            (None, Some(_)) => {
-                return Err(format!("step '{title}' has 'goal' but no 'try'; add the text of the task"));
-            }
+            (Some(_), _) => return wrong("has 'try' but no 'goal'; add the goal that ends the task"),
+            (None, Some(_)) => return wrong("has 'goal' but no 'try'; add the text of the task"),
         };
         let state = self.set.over(default);
         // These parts show what is measured at the spot.
@@ -131,7 +128,7 @@ impl StepTable {
         if state.spot.is_none()
             && let Some(part) = self.highlight.iter().find(|part| in_lesson(part))
         {
-            return Err(format!("step '{title}' highlights '{part}', which needs a 'spot' to measure; set one"));
+            return wrong(&format!("highlights '{part}', which needs a 'spot' to measure; set one"));
         }
         // A lesson must not point at a part whose panel is closed.
         let is_hidden = |part: &&Part| match part {
@@ -141,7 +138,7 @@ impl StepTable {
         };
         if let Some(part) = self.highlight.iter().find(is_hidden) {
             let key = if matches!(part, Part::Tabs | Part::Below) { "'tab'" } else { "'probe', without a slice" };
-            return Err(format!("step '{title}' highlights '{part}', whose panel is closed; set {key}"));
+            return wrong(&format!("highlights '{part}', whose panel is closed; set {key}"));
         }
         Ok(Step { title, caption: self.caption.0, highlight: self.highlight, task, state })
     }
@@ -179,21 +176,15 @@ pub fn lessons_at(path: &Path) -> Result<Vec<Lesson>, Vec<Error>> {
         vec![path.to_owned()]
     };
     // All files are read, so that a teacher sees all mistakes at once.
-    let (mut lessons, mut errors) = (Vec::new(), Vec::new());
-    for file in files {
-        match read_file(&file) {
-            Ok(lesson) => lessons.push(lesson),
-            Err(error) => errors.push(error),
-        }
-    }
-    if errors.is_empty() { Ok(lessons) } else { Err(errors) }
+    let (read, failed): (Vec<_>, Vec<_>) = files.iter().map(|file| read_file(file)).partition(Result::is_ok);
+    let errors: Vec<Error> = failed.into_iter().filter_map(Result::err).collect();
+    if errors.is_empty() { Ok(read.into_iter().flatten().collect()) } else { Err(errors) }
 }
 
 fn read_file(path: &Path) -> Result<Lesson, Error> {
     let file = path.display().to_string();
     let wrong = |problem: String| wrong_at(&file, None, &problem);
-    let text = read_text(path, MAX_BYTES).map_err(|error| wrong(error.to_string()))?;
-    Lesson::read(&file, &text)
+    Lesson::read(&file, &read_text(path, MAX_BYTES).map_err(|error| wrong(error.to_string()))?)
 }
 
 macro_rules! texts {

@@ -82,8 +82,7 @@ mod tests {
 
     #[test]
     fn every_part_is_read_by_its_name_and_no_other() {
-        let parameters = parameters().map(|doc| Part::parameter(&doc));
-        for part in Part::iter().chain(parameters) {
+        for part in Part::iter().chain(parameters().map(|doc| Part::parameter(&doc))) {
             assert_eq!(Part::try_from(part.to_string()), Ok(part));
         }
         for bad in ["", "Picture", "slope-u", "nothing"] {

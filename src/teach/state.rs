@@ -154,8 +154,7 @@ fn built_in_burst<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<B
 }
 
 fn slope<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Slope>, D::Error> {
-    let [u, v] = finite(<[f32; 2]>::deserialize(deserializer)?).map_err(de::Error::custom)?;
-    Ok(Some(Slope::new(u, v)))
+    Ok(place(deserializer)?.map(|[u, v]| Slope::new(u, v)))
 }
 
 fn place<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f32; 2]>, D::Error> {

@@ -45,7 +45,7 @@ fn a_session_brings_everything_back() {
     let (view, scrub) = (window.document().focused().view, *window.document().cursor());
     let other = window.kept_and_opened_in_another(&file);
     let model = other.model();
-    assert_eq!(Read::of(model).size(), (128, 96));
+    assert_eq!(Read::of(model).focused_size(), (128, 96));
     assert_eq!(*model.document.cursor(), scrub);
     assert_eq!(model.document.cursor().slope, Slope::new(1.25, 0.0));
     assert_eq!(Read::of(model).features(), features, "the same burst and parameters give the same bits");
@@ -143,7 +143,7 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
     let (dng, file) = (folder.path().join("a.dng"), folder.path().join("night.burstscope.toml"));
     fs::write(&dng, crate::dng::Dng::new((96, 80), |u, v| (64 + (u * 37 + v * 91) % 400) as u16).bytes()).unwrap();
     let mut window = Start::of(&dng).open();
-    assert_eq!(window.read().size(), (48, 40));
+    assert_eq!(window.read().focused_size(), (48, 40));
     window.run_action("later demo burst as b").settle();
     window.change(|document| document.params.peak_threshold = 0.0125).will_choose(&file);
     window.run_action("save session").settle();

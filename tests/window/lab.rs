@@ -207,9 +207,9 @@ fn nonsense_is_said_in_place_and_cannot_be_run() {
 #[test]
 fn a_dark_copy_of_the_open_burst_is_a_burst() {
     let mut window = lab([1280.0, 800.0]);
-    let size = window.read().size();
+    let size = window.read().focused_size();
     window.change(|document| document.lab.dark_copy.snr = 0.4).run_action("dark copy of a").settle();
     let model = window.model();
     assert!(model.results.slots.a.burst.as_ref().unwrap().burst.name.contains("dark copy at SNR 0.4"));
-    assert_eq!(Read::of(model).size(), size);
+    assert_eq!(Read::of(model).focused_size(), size);
 }

@@ -33,7 +33,7 @@ fn a_stack_is_opened_with_the_dialog_and_is_then_a_recent_one() {
     let path = noisy_stack(folder.path(), 4, 48, 64);
     let mut window = Start::without_auto_detect().open();
     window.will_choose(&path).click("Open…").settle();
-    assert_eq!((window.read().frame_count(), window.read().size()), (4, (64, 48)));
+    assert_eq!((window.read().frame_count(), window.read().focused_size()), (4, (64, 48)));
     assert_eq!(window.app().settings.recent, [BurstSource::Paths(vec![path])]);
 }
 
@@ -172,7 +172,7 @@ fn a_file_without_header_is_opened_in_the_shape_that_is_chosen_from_pictures() {
     window.harness.run_steps(3);
     assert!(window.shows("is not WIDTHxHEIGHT:TYPE"));
     window.click_on(Role::RadioButton, "320x240:u16le, 20 frames").steps(3).click("Open").settle();
-    assert_eq!((window.read().frame_count(), window.read().size()), (20, (320, 240)));
+    assert_eq!((window.read().frame_count(), window.read().focused_size()), (20, (320, 240)));
     assert_eq!(window.document().calibration.raw.map(|raw| raw.to_string()).as_deref(), Some("320x240:u16le"));
     assert!(window.model().shell.messages.errors.is_empty());
 }
@@ -199,7 +199,7 @@ fn the_shape_that_is_typed_is_previewed_and_one_that_does_not_fit_says_which_wou
     let words = "First frame in 320x240:u16le+5, 20 frames";
     assert!(window.harness.query_by_role_and_label(Role::Image, words).is_some());
     window.click("Open").settle();
-    assert_eq!((window.read().frame_count(), window.read().size()), (20, (320, 240)));
+    assert_eq!((window.read().frame_count(), window.read().focused_size()), (20, (320, 240)));
     let model = window.model();
     assert!(model.results.shape.asked.is_none(), "nothing is read for a form that is closed");
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;

@@ -239,7 +239,7 @@ fn files_dropped_on_the_right_pane_are_opened_there() {
     assert_eq!(Read::of(model).burst_of(Side::B).unwrap().burst.size(), (80, 60));
     assert!(window.shows("No features yet in A and B"));
     window.run_action("swap a and b").settle();
-    assert_eq!(window.read().size(), (80, 60));
+    assert_eq!(window.read().burst_of(Side::A).unwrap().burst.size(), (80, 60));
 }
 
 #[test]

@@ -286,7 +286,7 @@ fn at_1024_by_700_the_picture_and_the_columns_that_matter_are_seen() {
         assert!(rect.right() < right && rect.bottom() < 700.0, "{heading}: {rect:?}, but {right}");
     }
     let visible = window.app().widgets.get(window.document().focus()).and_then(|w| w.picture.visible_image).unwrap();
-    let (width, height) = window.read().size();
+    let (width, height) = window.read().focused_size();
     assert!(visible.width() >= width as f32 && visible.height() >= height as f32, "the whole picture: {visible:?}");
 }
 

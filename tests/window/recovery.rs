@@ -46,10 +46,10 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     drop(window);
     let mut next = keeping(&folder, Start::without_auto_detect()).open();
     assert!(next.shows(OFFER) && next.shows("noisy.npy"));
-    assert_ne!(next.read().size(), (128, 96), "not unasked");
+    assert_ne!(next.read().focused_size(), (128, 96), "not unasked");
     next.click("Restore").settle();
     assert!(!next.shows(OFFER));
-    assert_eq!(next.read().size(), (128, 96));
+    assert_eq!(next.read().focused_size(), (128, 96));
     assert_eq!(next.document().cursor().slope, Slope::new(1.25, 0.0));
     // The session now belongs to this window: a crash right after loses nothing.
     assert!(kept_slope());

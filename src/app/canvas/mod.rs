@@ -98,8 +98,7 @@ impl<'a> Canvas<'a> {
         if ui.is_rect_visible(rect) {
             self.draw(ui, &output, output.response.id);
         }
-        let enabled = ui.is_enabled();
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, enabled, self.name));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, ui.is_enabled(), self.name));
         if self.picture.is_some() {
             let is_panning = response.dragged() && self.primary_pans;
             let cursor = if is_panning { CursorIcon::Grabbing } else { CursorIcon::Crosshair };
@@ -143,8 +142,7 @@ impl<'a> Canvas<'a> {
         };
         let seen = output.visible_image.intersect(picture.rect_image());
         // Its octave may end a pixel before the picture.
-        let covers =
-            |preview: &Picture| preview.rect_image().expand(preview.image_from_picture_scale).contains_rect(seen);
+        let covers = |other: &Picture| other.rect_image().expand(other.image_from_picture_scale).contains_rect(seen);
         if !self.preview.is_some_and(covers) {
             paint(picture, pane);
         }

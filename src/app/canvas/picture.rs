@@ -134,8 +134,7 @@ mod tests {
         assert_eq!(part.pixel_at(pos2(17.9, 6.1)), Some((1, 1)));
         assert_eq!(part.rect_image(), Rect::from_min_max(pos2(10.0, 2.0), pos2(50.0, 22.0)));
         assert_eq!(part.region(Rect::from_min_max(pos2(0.0, 0.0), pos2(13.0, 11.0))).columns, 0..1);
-        let doubled = Picture::of_octave(plane, -1, (5, 3), "DoG");
-        assert_eq!(doubled.pixel_at(pos2(0.5, 0.0)), Some((1, 0)));
+        assert_eq!(Picture::of_octave(plane, -1, (5, 3), "DoG").pixel_at(pos2(0.5, 0.0)), Some((1, 0)));
     }
 
     #[test]

@@ -69,8 +69,7 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let point = response.hover_pos().filter(|_| pointed.is_none()).and_then(|pos| {
         nearest(scene.points.iter().map(|(point, at)| (ui_from_plane.pos(*at).distance(pos), *point)), 0.5 * REACH)
     });
-    let select = point.map_or(Action::SelectCamera(camera), Action::SelectPoint);
-    queue.push_if(response.clicked(), select);
+    queue.push_if(response.clicked(), point.map_or(Action::SelectCamera(camera), Action::SelectPoint));
     if let Some((which, spot)) = pointed.filter(|_| response.double_clicked()) {
         queue.push(Action::OpenCamera(label_of(model, which, spot.index).to_owned()));
         // A double click fits the view, except on a camera.
@@ -90,8 +89,7 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if let Some((which, spot)) = pointed.filter(|_| !response.dragged()) {
         let label = || label_of(model, which, spot.index).to_owned();
         let text = spot.camera.map_or_else(label, |camera| camera_text(model, camera));
-        let text = text + "\nDouble-click to open its burst";
-        response.on_hover_text_at_pointer(text);
+        response.on_hover_text_at_pointer(text + "\nDouble-click to open its burst");
     } else if let Some(point) = point.and_then(|point| model.results.poses.model()?.points.get(point)) {
         response
             .on_hover_text_at_pointer(format!("3D point, seen {} times\nClick for its features", point.track.len()));
@@ -298,8 +296,7 @@ pub fn points_strip_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let step = plot.width() / bars.len() as f32;
     // Narrow bars touch: a gap would take most of their width.
     let gap = if step > 6.0 { 1.0 } else { 0.0 };
-    let ends = [(most, plot.top(), Align2::RIGHT_TOP), (0, plot.bottom(), Align2::RIGHT_BOTTOM)];
-    for (number, y, align) in ends {
+    for (number, y, align) in [(most, plot.top(), Align2::RIGHT_TOP), (0, plot.bottom(), Align2::RIGHT_BOTTOM)] {
         let text = number.to_string();
         painter.text(pos2(plot.left() - 6.0, y), align, text, font.clone(), visuals.weak_text_color());
     }

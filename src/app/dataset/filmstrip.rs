@@ -114,15 +114,13 @@ fn header_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 
 /// Draws a button whose text is shorter than its label for screen readers.
 fn short_button_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, text: &str) {
-    let response = button_ui(ui, model, queue, id, Some(text));
-    named(&response, egui::Role::Button, id.action().label);
+    named(&button_ui(ui, model, queue, id, Some(text)), egui::Role::Button, id.action().label);
 }
 
 fn notice_ui(ui: &mut Ui, model: Read<'_>, dataset: &Dataset, queue: &mut Queue) {
     let warning = |text: &str| RichText::new(text).color(style::warning(ui));
     if let Some(error) = &dataset.folder_error {
-        let text = RichText::new("Features cannot be kept here").color(ui.visuals().error_fg_color);
-        ui.label(text).on_hover_text(error);
+        ui.label(RichText::new("Features cannot be kept here").color(ui.visuals().error_fg_color)).on_hover_text(error);
     } else if dataset.folder.is_none() {
         ui.label(warning("Choose a folder for the features"));
     } else if dataset.params != model.asked() {
@@ -225,8 +223,7 @@ fn picture_ui(ui: &Ui, area: Rect, picture: Option<&ThumbnailState>) {
 
 fn state_ui(ui: &Ui, state: &BurstState, area: Rect, rect: Rect, fraction: f32) {
     let (painter, visuals) = (ui.painter_at(rect), ui.visuals());
-    let is_waiting = *state == BurstState::Waiting;
-    let text_colour = if is_waiting { visuals.weak_text_color() } else { visuals.text_color() };
+    let text_colour = if *state == BurstState::Waiting { visuals.weak_text_color() } else { visuals.text_color() };
     let y = rect.bottom() - 0.5 * TEXT_HEIGHT;
     mark_ui(ui, state, pos2(rect.left() + 9.0, y));
     let font = FontId::proportional(11.0);

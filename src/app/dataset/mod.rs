@@ -97,8 +97,7 @@ pub fn cut_offer_ui(ui: &mut Ui, frames: usize, length: usize, queue: &mut Queue
         ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
         let mut choice = |text: &str, tip: &str| ui.button(text).on_hover_text(tip).clicked();
         let cut = format!("Cut into bursts of {length}");
-        let tip = "Open them as a dataset, one burst after another";
-        queue.push_if(choice(&cut, tip), Action::CutOpenBurst(length));
+        queue.push_if(choice(&cut, "Open them as a dataset, one burst after another"), Action::CutOpenBurst(length));
         queue.push_if(choice("Cut…", "Choose length and step of the bursts first"), ActionId::CutSequence);
         choice("Keep as one", "Look at all frames as one burst")
     });

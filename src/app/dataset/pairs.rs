@@ -53,8 +53,7 @@ pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mu
     let side = count as f32 * cell;
     let mut opened = None;
     egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
-        let size = vec2(NAMES_WIDTH + side, HEAD_HEIGHT + side);
-        let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+        let (rect, response) = ui.allocate_exact_size(vec2(NAMES_WIDTH + side, HEAD_HEIGHT + side), Sense::click());
         let grid = Grid { origin: rect.min + vec2(NAMES_WIDTH, HEAD_HEIGHT), cell, count };
         let pointed = response.hover_pos().and_then(|pos| grid.cell_at(pos));
         draw(ui, dataset, set, &grid, pointed);

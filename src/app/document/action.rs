@@ -19,7 +19,9 @@ use crate::inspect::pair::Lost;
 use crate::inspect::place::ProbeSubject;
 use crate::matching::MatchParams;
 use crate::plane::display::Display;
-use crate::requests::{BurstSource, FigureRequest, FolderRequest, ProbeQuestion, ShapeRequest, ViewKind, Which};
+use crate::requests::{
+    BurstSource, FigureRequest, FolderRequest, ProbeQuestion, ShapeRequest, ViewKind, Which, make_absolute,
+};
 use crate::teach::BottomTab;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -147,7 +149,9 @@ changes {
 
     ShowKind(Side, Compared, bool) => |document, side, kind, shown|
         show(&mut document.comparisons[side].hidden, kind, shown);
-    SetPairLinks(PaneLinks) => |document, links| document.set_pair_links(links);
+    SetPairLinks(PaneLinks) => |document, links| for link in [Link::View, Link::Cursor, Link::Display] {
+        document.link_pair(link, links.has(link));
+    };
     SelectMatch(#[serde(with = "or_none")] Option<usize>) => |document, index|
         (document.selected_match, document.asked_about) = (index, None);
     ShowLost(Lost, bool) => |document, lost, shown| {
@@ -349,12 +353,6 @@ impl Queue {
 
     pub fn asked(&self) -> impl Iterator<Item = ActionId> {
         self.0.iter().filter_map(|action| if let Action::Do(id) = action { Some(*id) } else { None })
-    }
-}
-
-pub fn make_absolute(path: &mut PathBuf) {
-    if let Ok(absolute) = std::path::absolute(&*path) {
-        *path = absolute;
     }
 }
 

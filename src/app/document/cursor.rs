@@ -93,18 +93,14 @@ pub fn snapped(grid: &SlopeGrid, slope: Slope) -> Slope {
 
 /// The grid's next slope along its first or second axis; 0.25 px/frame further where that has a single slope.
 pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool) -> Slope {
-    let sign = if forward { 1.0 } else { -1.0 };
-    let axis = if along_second { &grid.v } else { &grid.u };
-    if axis.count <= 1 {
-        let step = 0.25 * sign;
-        return if along_second { Slope::new(slope.u, slope.v + step) } else { Slope::new(slope.u + step, slope.v) };
-    }
+    let step = if forward { 0.25 } else { -0.25 };
     let (i, j) = nearest_on_grid(grid, slope);
     let moved = |x: usize, count: usize| if forward { (x + 1).min(count - 1) } else { x.saturating_sub(1) };
-    if along_second {
-        grid.at(i as f32, moved(j, grid.v.count) as f32)
-    } else {
-        grid.at(moved(i, grid.u.count) as f32, j as f32)
+    match along_second {
+        false if grid.u.count <= 1 => Slope::new(slope.u + step, slope.v),
+        true if grid.v.count <= 1 => Slope::new(slope.u, slope.v + step),
+        false => grid.at(moved(i, grid.u.count) as f32, j as f32),
+        true => grid.at(i as f32, moved(j, grid.v.count) as f32),
     }
 }
 

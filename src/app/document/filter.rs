@@ -61,8 +61,7 @@ pub fn at_slope(detection: &Detection, slope: Slope) -> [usize; 2] {
 /// Quantities by whose ranges features can be filtered: all with decimals, but the depth, which is not the feature's.
 pub fn ranged_quantities() -> impl Iterator<Item = Quantity> {
     let has_decimals = |quantity: &Quantity| {
-        let form = quantity.record().form;
-        *quantity != Quantity::Depth && !matches!(form, Form::Whole | Form::Degrees | Form::Flag)
+        *quantity != Quantity::Depth && !matches!(quantity.record().form, Form::Whole | Form::Degrees | Form::Flag)
     };
     Quantity::ALL.into_iter().filter(has_decimals)
 }

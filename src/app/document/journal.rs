@@ -137,8 +137,9 @@ pub fn read_steps(text: &str) -> Result<Steps, String> {
     let written: Written = toml::from_str(text).map_err(|error| wrong(&nearest(error.to_string().trim_end())))?;
     if written.version != VERSION {
         let version = written.version;
-        let problem = format!("its version is {version}, this program reads {VERSION}; give version = {VERSION}");
-        return Err(wrong(&problem));
+        return Err(wrong(&format!(
+            "its version is {version}, this program reads {VERSION}; give version = {VERSION}"
+        )));
     }
     for action in written.did.iter().flatten() {
         if let Action::Restore(session) = action {

@@ -88,9 +88,8 @@ impl LabQuestion {
 
 impl Lab {
     pub fn snrs(&self) -> Result<Vec<f64>, String> {
-        let words = self.snrs_text.split(',').map(str::trim).filter(|word| !word.is_empty());
         let mut snrs: Vec<f64> = Vec::new();
-        for word in words {
+        for word in self.snrs_text.split(',').map(str::trim).filter(|word| !word.is_empty()) {
             let snr = word.parse().ok().filter(|snr: &f64| *snr > 0.0);
             let snr = snr.ok_or_else(|| format!("'{word}' is no ratio; give numbers above 0, separated by commas"))?;
             if !snrs.contains(&snr) {
@@ -103,11 +102,8 @@ impl Lab {
 
     pub fn frame_counts(&self) -> Result<Vec<usize>, String> {
         let words = self.counts_text.split(',').map(str::trim).filter(|word| !word.is_empty());
-        let count = |word: &str| {
-            word.parse()
-                .map_err(|_| format!("'{word}' is no number of frames; give whole numbers, separated by commas"))
-        };
-        words.map(count).collect()
+        let wrong = |word: &str| format!("'{word}' is no number of frames; give whole numbers, separated by commas");
+        words.map(|word| word.parse().map_err(|_| wrong(word))).collect()
     }
 
     pub fn study(&self, search: &SearchParams, bursts: Option<&BurstsOfStudy>) -> Result<Study, String> {
@@ -137,9 +133,8 @@ impl Lab {
             }
             LabQuestion::BurstFrames => {
                 let bursts = bursts.ok_or("open a burst first")?.clone();
-                let all = bursts.burst.len();
                 let mut frame_counts = self.frame_counts()?;
-                frame_counts.retain(|count| (2..=all).contains(count));
+                frame_counts.retain(|count| (2..=bursts.burst.len()).contains(count));
                 let study = BurstFramesStudy { search: search.clone(), frame_counts, ..BurstFramesStudy::default() };
                 Study::BurstFrames(Box::new(study), bursts)
             }
@@ -151,14 +146,13 @@ impl Lab {
     }
 
     fn charts(&self, search: &SearchParams, given: Option<SlopeGrid>) -> Result<ChartStudy, String> {
-        let slopes = given.unwrap_or_default();
         let chosen = |method: &BurstMethod| self.methods.contains(method);
         let methods: Vec<BurstMethod> = BurstMethod::ALL.into_iter().filter(chosen).collect();
         if methods.is_empty() {
             return Err("no method is chosen; choose one or more".to_owned());
         }
         let (chart, snrs, first_seed, seeds) = (self.chart.clone(), self.snrs()?, self.first_seed, self.seeds);
-        let searches = Searches::of_charts(search.at(slopes), given);
+        let searches = Searches::of_charts(search.at(given.unwrap_or_default()), given);
         Ok(ChartStudy { chart, snrs, first_seed, seeds, methods, searches, ..ChartStudy::default() })
     }
 }

@@ -107,10 +107,8 @@ impl CompareLook {
 
     pub fn show(&mut self, method: MethodId, shown: bool) {
         self.methods.retain(|m| *m != method);
-        if shown {
-            self.methods.push(method);
-            self.methods.sort_unstable();
-        }
+        self.methods.extend(shown.then_some(method));
+        self.methods.sort_unstable();
     }
 
     /// Copy with the methods sorted, each once: a file may contain any values.

@@ -41,7 +41,7 @@ use crate::detector::{ParamChange, Quantity, SearchParams, Test};
 use crate::evaluate::poses::is_built_in;
 use crate::inspect::pair::Lost;
 use crate::matching::MatchParams;
-use crate::requests::BurstSource;
+use crate::requests::{BurstSource, make_absolute};
 use crate::teach::{BottomTab, Workspace};
 use serde::{Deserialize, Serialize};
 
@@ -109,15 +109,15 @@ impl Document {
     pub fn with_absolute_paths(mut self) -> Self {
         let [compared_a, compared_b] = [&mut self.comparisons.a.file, &mut self.comparisons.b.file];
         let calibrations = [&mut self.calibration].into_iter().chain(&mut self.calibration_of_b);
-        calibrations.flat_map(OpenOptions::paths_mut).for_each(action::make_absolute);
+        calibrations.flat_map(OpenOptions::paths_mut).for_each(make_absolute);
         for path in self.trajectories.paths_mut().into_iter().chain([compared_a, compared_b]) {
-            path.iter_mut().filter(|path| !is_built_in(path)).for_each(action::make_absolute);
+            path.iter_mut().filter(|path| !is_built_in(path)).for_each(make_absolute);
         }
         for side in Side::BOTH {
             self.gold[side] = self.gold[side].as_ref().map(BurstSource::absolute);
         }
         if let Some(DatasetChoice { source, folder, .. }) = &mut self.dataset {
-            source.paths.iter_mut().chain(folder).for_each(action::make_absolute);
+            source.paths.iter_mut().chain(folder).for_each(make_absolute);
         }
         self
     }

@@ -102,12 +102,11 @@ impl Document {
     /// Cursors of two bursts that are linked are brought together.
     pub fn toggle_link(&mut self, link: Link) {
         let on = !self.panes.all_share(link);
-        if self.workspace.shows_pair() {
-            self.link_pair(link, on);
-        } else {
-            self.panes.shown().into_iter().for_each(|id| self.set_link(id, link, on));
+        if !self.workspace.shows_pair() {
+            return self.panes.shown().into_iter().for_each(|id| self.set_link(id, link, on));
         }
-        if on && link == Link::Cursor && self.workspace.shows_pair() {
+        self.link_pair(link, on);
+        if on && link == Link::Cursor {
             self.bring_cursors_together();
         }
     }
@@ -141,15 +140,8 @@ impl Document {
     }
 
     pub fn focus_other_side(&mut self) {
-        let side = self.focused().side.other();
-        if let Some(id) = self.panes.shown_of(side, self.focused().method).first() {
+        if let Some(id) = self.panes.shown_of(self.focused().side.other(), self.focused().method).first() {
             self.panes.set_focus(*id);
-        }
-    }
-
-    pub fn set_pair_links(&mut self, links: PaneLinks) {
-        for link in [Link::View, Link::Cursor, Link::Display] {
-            self.link_pair(link, links.has(link));
         }
     }
 }

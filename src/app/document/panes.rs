@@ -47,8 +47,7 @@ impl Document {
     /// Shows a frame. A pane beside one that shows frames, whose cursors are linked, keeps its own kind of picture.
     pub fn show_frame(&mut self, id: PaneId, frame: usize) {
         let Some(pane) = self.panes.get(id) else { return };
-        let shows_frame =
-            |other: &Pane| other.shown() == Some(ViewKind::Frame) && other.links.cursor && other.side == pane.side;
+        let shows_frame = |other: &Pane| other.shows(ViewKind::Frame) && other.links.cursor && other.side == pane.side;
         let is_beside = pane.links.cursor && self.panes.each_shown().any(shows_frame);
         self.lead(id, |pane| {
             pane.cursor.frame = frame;
@@ -150,11 +149,10 @@ impl Document {
 
     /// Switches a link of a pane. A pane that no longer shares its display keeps the ranges that it had.
     pub fn set_link(&mut self, id: PaneId, link: Link, on: bool) {
-        let shared = self.look.ranges;
         let Some(pane) = self.panes.get_mut(id) else { return };
         pane.links.set(link, on);
         if link == Link::Display {
-            pane.own_ranges = (!on).then_some(pane.own_ranges.unwrap_or(shared));
+            pane.own_ranges = (!on).then_some(pane.own_ranges.unwrap_or(self.look.ranges));
         }
     }
 

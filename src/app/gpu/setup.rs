@@ -79,10 +79,9 @@ pub fn install(ctx: &egui::Context, render_state: &RenderState) {
         error => panic!("{error}"),
     }));
     let adapter_name = Arc::from(render_state.adapter.get_info().name);
-    let gpu = Gpu { adapter_name, limits, failures, lost };
     render_state.renderer.write().callback_resources.insert(renderer);
     TextureMirror::install(ctx);
-    ctx.data_mut(|data| data.insert_temp(egui::Id::NULL, gpu));
+    ctx.data_mut(|data| data.insert_temp(egui::Id::NULL, Gpu { adapter_name, limits, failures, lost }));
 }
 
 #[derive(Debug, Clone)]

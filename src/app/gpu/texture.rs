@@ -20,8 +20,7 @@ const CARD_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// Waits until the card is done with `submission`, or with everything, so that memory no longer needed is given back.
 pub(super) fn wait_for_card(device: &wgpu::Device, submission: Option<wgpu::SubmissionIndex>) {
-    let wait = wgpu::PollType::Wait { submission_index: submission, timeout: Some(CARD_TIMEOUT) };
-    let _ = device.poll(wait);
+    let _ = device.poll(wgpu::PollType::Wait { submission_index: submission, timeout: Some(CARD_TIMEOUT) });
 }
 
 /// Describes a texture of one level, which is not multisampled.
@@ -128,8 +127,7 @@ impl Writes<'_> {
         let size = (row_bytes * rows) as u64;
         // Bytes on the way are in memory twice: the card has to take them before more are added.
         if self.bytes + size > BYTES_ON_THE_WAY {
-            let submission = self.submit()?;
-            wait_for_card(self.device, Some(submission));
+            wait_for_card(self.device, Some(self.submit()?));
         }
         // Each step may lack memory, which must fail this picture only and not lose the device.
         let usage = wgpu::BufferUsages::MAP_WRITE | wgpu::BufferUsages::COPY_SRC;
@@ -188,9 +186,8 @@ impl Layout {
         if width == 0 || height == 0 {
             return Err("This picture has no pixels.".to_owned());
         }
-        let longer = width.max(height);
         // One more level for each halving that leaves at least 32 pixels.
-        let levels = (longer / 32).checked_ilog2().map_or(1, |l| l + 1).min(Self::MAX_LEVELS);
+        let levels = (width.max(height) / 32).checked_ilog2().map_or(1, |l| l + 1).min(Self::MAX_LEVELS);
         // Sides of this multiple halve evenly down to the coarsest level.
         let multiple = 1 << (levels - 1);
         let largest_tile = limits.max_side / multiple * multiple;
@@ -260,8 +257,7 @@ pub fn halve(fine: &Plane) -> Plane {
 }
 
 fn mean_of_numbers(values: [f32; 4]) -> f32 {
-    let numbers = values.into_iter().filter(|x| !x.is_nan());
-    let (sum, count) = numbers.fold((0.0, 0), |(s, n), x| (s + x, n + 1));
+    let (sum, count) = values.into_iter().filter(|x| !x.is_nan()).fold((0.0, 0), |(s, n), x| (s + x, n + 1));
     if count == 0 { f32::NAN } else { sum / count as f32 }
 }
 

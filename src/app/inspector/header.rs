@@ -56,8 +56,7 @@ pub fn header_ui(
                 }
                 ui.spacing_mut().item_spacing.x = 6.0;
                 if !is_slice && width >= if many { ROOM_FOR_NUMBERS } else { ROOM_FOR_NUMBERS_ALONE } {
-                    let has_range = many || width >= ROOM_FOR_ALL;
-                    numbers_ui(ui, model, id, widgets, has_range, queue);
+                    numbers_ui(ui, model, id, widgets, many || width >= ROOM_FOR_ALL, queue);
                 }
                 if !many || width >= ONE_LINE {
                     filter_chip_ui(ui, model, id, width, queue);
@@ -101,8 +100,7 @@ fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> 
     };
     let sense = if many { Sense::click_and_drag() } else { Sense::click() };
     let label = ui.add(Label::new(RichText::new(&text).strong()).truncate().selectable(false).sense(sense));
-    let tip = if many { format!("{long}\nDrag it to put this pane elsewhere") } else { long };
-    let label = label.on_hover_text(tip);
+    let label = label.on_hover_text(if many { format!("{long}\nDrag it to put this pane elsewhere") } else { long });
     if many { label.on_hover_cursor(egui::CursorIcon::Grab) } else { label }
 }
 

@@ -27,8 +27,7 @@ pub(super) fn marks_ui(model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[Draw
     for other in drawn.iter().filter(|other| other.pane != first.pane).filter(is_linked) {
         let Some(pos) = same_place(model, first.shown, other.shown, pos_image) else { continue };
         let value = value_at(model, widgets, other, pos);
-        let text = value.map(|value| value.readout.short_text());
-        mark(&other.output, pos, text.as_deref(), POINTER);
+        mark(&other.output, pos, value.map(|value| value.readout.short_text()).as_deref(), POINTER);
         widgets.values.extend(value);
     }
 }
@@ -304,8 +303,7 @@ pub(in crate::app) fn is_with_shift(ui: &Ui) -> bool {
 fn place_marks_ui(model: Read<'_>, drawn: &[Drawn]) {
     for (drawn, pane) in drawn.iter().filter_map(|drawn| Some((drawn, model.pane(drawn.shown)?))) {
         // A gold standard was taken from a place of its own.
-        let places = model.places_of(pane.side).filter(|_| pane.method != Some(MethodId::Gold));
-        for (_, place) in places {
+        for (_, place) in model.places_of(pane.side).filter(|_| pane.method != Some(MethodId::Gold)) {
             if let Some(pos) = in_pane(model, drawn.shown, (pane.side, place.at), pane.cursor.slope) {
                 mark(&drawn.output, pos, Some(&place.name), MARK);
             }

@@ -143,9 +143,8 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: Read<'_>, widgets: &mut Pane
         let shown = widgets.get(drawn.shown).map(|widget| &widget.picture);
         let (readout, feature) = shown.map_or((None, None), |shown| (shown.readout, shown.pointed));
         let mid_burst = drawn.output.hover_image.and_then(|pos| mid_burst(model, drawn.shown, pos));
-        let inspected = model.document.workspace.inspects();
         widgets.of(id).menu = MenuPlace {
-            feature: feature.filter(|_| inspected),
+            feature: feature.filter(|_| model.document.workspace.inspects()),
             matched: model.results.pair.hovered.filter(|_| model.document.workspace.shows_pair()),
             readout,
             mid_burst: mid_burst.filter(|_| model.document.workspace.probes()),
@@ -180,11 +179,8 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: Read<'_>, widgets: &mut Pane
                 let at = format!("Copy place ({})", clipboard::place_text(readout));
                 copy_ui(ui, &at, || clipboard::place_text(readout));
             }
-            if ui.button("Copy picture").on_hover_text("As it is shown, in its range and colours").clicked()
-                && let Some(image) = clipboard::picture_of(model, drawn.shown)
-            {
-                ui.ctx().copy_image(image);
-                queue.push(Action::Note("Copied the picture".to_owned()));
+            if ui.button("Copy picture").on_hover_text("As it is shown, in its range and colours").clicked() {
+                queue.0.extend(clipboard::copy_picture(ui.ctx(), model, drawn.shown).map(Action::Note));
             }
             ui.separator();
             ui.menu_button("Show", |ui| whole_menu_ui(ui, |ui| content_ui(ui, model, id, queue)));

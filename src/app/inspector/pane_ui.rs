@@ -91,11 +91,9 @@ pub(super) fn scrub_ui(ui: &Ui, model: Read<'_>, drawn: &Drawn, queue: &mut Queu
     let Some(pane) = model.pane(id).filter(|_| notches != 0) else { return };
     queue.push(Action::Focus(id));
     if pane.shown() == Some(ViewKind::Frame) {
-        let frame = pane.cursor.frame.saturating_add_signed(notches as isize);
-        queue.push(Action::SetFrame(id, frame));
+        queue.push(Action::SetFrame(id, pane.cursor.frame.saturating_add_signed(notches as isize)));
     } else {
-        let grid = model.cursor_params().slopes;
-        let step = |slope, _| stepped(&grid, slope, modifiers.shift, notches > 0);
+        let step = |slope, _| stepped(&model.cursor_params().slopes, slope, modifiers.shift, notches > 0);
         queue.push(Action::SetSlope(id, (0..notches.abs()).fold(pane.cursor.slope, step)));
     }
 }
@@ -184,8 +182,7 @@ pub(in crate::app) fn chip_ui(
 ) -> Response {
     let painter = &output.painter;
     let rect = output.response.rect.intersect(painter.clip_rect());
-    let font = egui::FontId::proportional(13.0);
-    let mut job = LayoutJob::simple_singleline(text.to_owned(), font, Color32::WHITE);
+    let mut job = LayoutJob::simple_singleline(text.to_owned(), egui::FontId::proportional(13.0), Color32::WHITE);
     (job.wrap.max_width, job.wrap.max_rows) = ((rect.width() - 30.0).max(40.0), 1);
     let galley = painter.layout_job(job);
     let ground = corner.align_size_within_rect(galley.size() + vec2(14.0, 6.0), rect.shrink(8.0));
@@ -359,8 +356,7 @@ fn along_at(area: &Area, slice: &Slice, pos: Pos2) -> Option<f32> {
 /// Slope of the line, dragged by the pointer from `slope`: its component along the slice changes, that across it stays.
 fn dragged_slope(area: &Area, slice: &Slice, slope: Slope, response: &Response) -> Option<Slope> {
     let pos = response.interact_pointer_pos().filter(|_| response.dragged_by(PointerButton::Primary))?;
-    let along = along_at(area, slice, pos)?;
-    let slope = slice.with_along(slope, along);
+    let slope = slice.with_along(slope, along_at(area, slice, pos)?);
     // Rounded to a hundredth of a pixel, as by the sliders.
     let rounded = |x: f32| (100.0 * x).round() / 100.0;
     Some(Slope::new(rounded(slope.u), rounded(slope.v)))
@@ -397,16 +393,12 @@ mod tests {
     #[test]
     fn rows_stand_where_their_frames_were_taken() {
         let frames = |times: &[f32]| OverTime::of(times).frames(times);
-        assert_eq!(
-            frames(&[-1.5, -0.5, 0.5, 1.5]),
-            [Some(0), Some(1), Some(2), Some(3)],
-            "even frames are as they are"
-        );
+        let even = frames(&[-1.5, -0.5, 0.5, 1.5]);
+        assert_eq!(even, [Some(0), Some(1), Some(2), Some(3)], "even frames are as they are");
         assert_eq!(frames(&[0.0, 1.0, 4.0, 5.0, 6.0]), [Some(0), Some(1), None, None, Some(2), Some(3), Some(4)]);
         let late = frames(&[0.0, 1.5, 2.0, 3.0]);
         assert_eq!(late, [Some(0), Some(0), Some(1), Some(1), Some(2), Some(2), Some(3)], "{late:?}");
         assert_eq!((frames(&[]).len(), frames(&[7.0])), (0, vec![Some(0)]));
-        let close = OverTime::of(&[0.0, 1e-6, 1.0, 2.0]);
-        assert_eq!(close.rows, 16, "no more rows than can be seen");
+        assert_eq!(OverTime::of(&[0.0, 1e-6, 1.0, 2.0]).rows, 16, "no more rows than can be seen");
     }
 }

@@ -41,8 +41,7 @@ pub fn inspector_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, que
 fn gold_ui(ui: &mut Ui, side: Side, queue: &mut Queue) {
     ui.vertical_centered(|ui| {
         ui.add_space((ui.available_height() * 0.2).max(12.0));
-        let text = format!("Open a sharp image of {}'s view, taken with enough light", side.name());
-        weak_ui(ui, text);
+        weak_ui(ui, format!("Open a sharp image of {}'s view, taken with enough light", side.name()));
         let id = if side == Side::A { ActionId::OpenGoldA } else { ActionId::OpenGoldB };
         queue.push_if(ui.button(id.action().label).on_hover_text(tooltip(ui.ctx(), id.action())).clicked(), id);
     });
@@ -95,8 +94,7 @@ impl Behavior<PaneId> for Inspector<'_> {
         self.queue.push_if((is_clicked || touched) && self.model.document.focus() != id, Action::Focus(id));
         // After the content, which would cover the frame.
         if self.model.document.panes.are_many() && self.model.document.focus() == id {
-            let stroke = Stroke::new(1.0, crate::app::style::ACCENT);
-            ui.painter().rect_stroke(whole, 0.0, stroke, StrokeKind::Inside);
+            ui.painter().rect_stroke(whole, 0.0, Stroke::new(1.0, crate::app::style::ACCENT), StrokeKind::Inside);
         }
         if name.is_some_and(|name| name.drag_started()) { UiResponse::DragStarted } else { UiResponse::None }
     }

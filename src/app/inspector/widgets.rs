@@ -8,7 +8,7 @@ use crate::app::panel::picture::{PictureState, describe};
 use crate::app::results::Read;
 use crate::app::view::{View, Zoom};
 use crate::requests::{PictureKind, ViewKind};
-use egui::{Pos2, Rect};
+use egui::{Rect, Vec2};
 use std::collections::HashMap;
 
 #[derive(Default)]
@@ -47,9 +47,6 @@ impl PaneWidgets {
         self.get(id)?.picture.ui_from_image
     }
 
-    pub fn pos_ui(&self, id: PaneId, pos_image: Pos2) -> Option<Pos2> {
-        self.ui_from_image(id).map(|t| t.pos(pos_image))
-    }
     pub fn rect_ui(&self, id: PaneId) -> Option<Rect> {
         self.get(id)?.rect_ui
     }
@@ -165,33 +162,25 @@ fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
         let place = |i: &usize| apart(from, &to[*i]);
         (0..to.len()).min_by(|i, j| place(i).total_cmp(&place(j)))
     };
-    let mut pairs = Vec::new();
-    for (i, of_a) in a.iter().enumerate() {
-        for (j, of_b) in b.iter().enumerate() {
-            // Nearest neighbours are joined even where they do not face each other.
-            let each_nearest = nearest(of_a, b) == Some(j) && nearest(of_b, a) == Some(i);
-            if each_nearest || face(of_a, of_b, all) {
-                pairs.push((i, j));
-            }
-        }
-    }
-    pairs
+    let is_joined = |&(i, j): &(usize, usize)| {
+        // Nearest neighbours are joined even where they do not face each other.
+        let each_nearest = nearest(&a[i], b) == Some(j) && nearest(&b[j], a) == Some(i);
+        each_nearest || face(&a[i], &b[j], all)
+    };
+    (0..a.len()).flat_map(|i| (0..b.len()).map(move |j| (i, j))).filter(is_joined).collect()
 }
 
 fn apart(a: &Rect, b: &Rect) -> f32 {
-    let gap = |min: f32, max: f32| (min - max).max(0.0);
-    let x = gap(b.left(), a.right()).max(gap(a.left(), b.right()));
-    let y = gap(b.top(), a.bottom()).max(gap(a.top(), b.bottom()));
-    x.hypot(y)
+    // Of rectangles apart the common part has a negative size.
+    (-a.intersect(*b).size()).max(Vec2::ZERO).length()
 }
 
 fn face(a: &Rect, b: &Rect, all: &[Rect]) -> bool {
-    let common = |a: egui::Rangef, b: egui::Rangef| egui::Rangef::new(a.min.max(b.min), a.max.min(b.max));
-    let between = |a: egui::Rangef, b: egui::Rangef| egui::Rangef::new(a.max.min(b.max), a.min.max(b.min));
-    let (x, y) = (common(a.x_range(), b.x_range()), common(a.y_range(), b.y_range()));
+    let common = a.intersect(*b);
+    let (x, y) = (common.x_range(), common.y_range());
     let gap = match (x.span() > 0.0, y.span() > 0.0) {
-        (false, true) => Rect::from_x_y_ranges(between(a.x_range(), b.x_range()), y),
-        (true, false) => Rect::from_x_y_ranges(x, between(a.y_range(), b.y_range())),
+        (false, true) => Rect::from_x_y_ranges(x.flipped(), y),
+        (true, false) => Rect::from_x_y_ranges(x, y.flipped()),
         _ => return false,
     };
     // Neighbours touch the rim of the gap: only what reaches into it stands between.
@@ -220,10 +209,9 @@ impl HeldPlace {
         if before == rect_ui || (was_beside == is_beside && !is_growing) {
             return;
         }
-        let is_set = self.left.is_some_and(|left| left != *view);
         match untouched.filter(|_| !is_beside) {
             Some(original) => *view = original,
-            None if is_beside && is_set => self.moved = None,
+            None if is_beside && self.left.is_some_and(|left| left != *view) => self.moved = None,
             // A picture fitted beside the panel is fitted again without the panel.
             None if !is_beside && !matches!(view.zoom, Zoom::PointsPerPixel(_)) => self.moved = None,
             None => {
@@ -238,7 +226,7 @@ impl HeldPlace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use egui::{Vec2, pos2, vec2};
+    use egui::{pos2, vec2};
 
     fn at(column: usize, row: usize) -> Rect {
         Rect::from_min_size(pos2(104.0 * column as f32, 110.0 * row as f32), vec2(100.0, 80.0))

@@ -23,7 +23,7 @@ pub struct Part {
 }
 
 impl Part {
-    fn even(inner: Arrangement) -> Self {
+    pub(super) fn even(inner: Arrangement) -> Self {
         Self { share: 1.0, inner }
     }
 }
@@ -105,16 +105,12 @@ impl Arrangement {
                 parts.extend(new.iter().copied().map(Self::Pane));
                 Self::Tabs { parts, active }
             }
-            (Self::Column(mut rows), [one]) => {
+            (Self::Column(mut rows), _) => {
                 let room = rows.iter().map(|row| row.inner.panes().len()).max().unwrap_or(0).max(LONG);
                 match rows.last_mut() {
-                    Some(last) if last.inner.panes().len() < room => last.inner.append(&[*one]),
+                    Some(last) if new.len() == 1 && last.inner.panes().len() < room => last.inner.append(new),
                     _ => rows.push(Part { share: share(&rows), inner: added }),
                 }
-                Self::Column(rows)
-            }
-            (Self::Column(mut rows), _) => {
-                rows.push(Part { share: share(&rows), inner: added });
                 Self::Column(rows)
             }
             (Self::Row(mut parts), [one]) if parts.len() < LONG => {
@@ -146,28 +142,22 @@ impl Arrangement {
     #[must_use]
     pub fn sanitised(self, mut keep: impl FnMut(PaneId) -> bool) -> Option<Self> {
         let mut seen = Vec::new();
-        self.filtered(
-            &mut |id| {
-                let wanted = !seen.contains(&id) && seen.len() < MAX_PANES && keep(id);
-                if wanted {
-                    seen.push(id);
-                }
-                wanted
-            },
-            MAX_DEPTH,
-        )
+        let mut keep_once = |id| {
+            let is_kept = !seen.contains(&id) && seen.len() < MAX_PANES && keep(id);
+            seen.extend(is_kept.then_some(id));
+            is_kept
+        };
+        self.filtered(&mut keep_once, MAX_DEPTH)
     }
 
     fn filtered(self, keep: &mut impl FnMut(PaneId) -> bool, depth: usize) -> Option<Self> {
         fn parts(parts: Vec<Part>, keep: &mut impl FnMut(PaneId) -> bool, depth: usize) -> Vec<Part> {
-            parts
-                .into_iter()
-                .filter_map(|Part { share, inner }| {
-                    // A file may hold any share, and a part that is too small could not be grasped.
-                    let share = if share.is_finite() { share.clamp(0.05, 20.0) } else { 1.0 };
-                    Some(Part { share, inner: inner.filtered(keep, depth - 1)? })
-                })
-                .collect()
+            let part = |Part { share, inner }: Part| {
+                // A file may hold any share, and a part that is too small could not be grasped.
+                let share = if share.is_finite() { share.clamp(0.05, 20.0) } else { 1.0 };
+                Some(Part { share, inner: inner.filtered(keep, depth - 1)? })
+            };
+            parts.into_iter().filter_map(part).collect()
         }
         fn alone(mut many: Vec<Part>, container: impl FnOnce(Vec<Part>) -> Arrangement) -> Option<Arrangement> {
             match many.len() {

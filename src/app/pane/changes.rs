@@ -2,7 +2,7 @@
 
 use super::preset::Laid;
 use super::set::{PanesById, Placed};
-use super::{Arrangement, Content, Direction, MAX_PANES, Pane, PaneGroup, PaneId, Panes, Preset};
+use super::{Arrangement, Content, Direction, MAX_PANES, Over, Pane, PaneGroup, PaneId, Panes, Preset};
 use crate::app::document::Side;
 use crate::detector::DetectorParams;
 use std::collections::BTreeMap;
@@ -25,8 +25,7 @@ impl Panes {
 
     /// The two permanent panes stay on their bursts: a new pane takes the place of such a one.
     pub fn show_side(&mut self, id: PaneId, side: Side) {
-        let is_here = self.shown().contains(&id);
-        let Some(pane) = self.get(id).filter(|pane| is_here && pane.side != side) else { return };
+        let Some(pane) = self.get(id).filter(|pane| self.shown().contains(&id) && pane.side != side) else { return };
         let changed = Pane { side, ..pane.clone() };
         if let Some(own) = self.more.get_mut(&id) {
             *own = changed;
@@ -46,7 +45,7 @@ impl Panes {
             if let Content::Difference(a, b) = pane.content {
                 pane.content = Content::Difference(renamed(a), renamed(b));
             }
-            pane.over = pane.over.map(|over| over.with_other(renamed(over.other())));
+            pane.over.iter_mut().map(Over::other_mut).for_each(|other| *other = renamed(*other));
         }
         self.forget_missing();
     }

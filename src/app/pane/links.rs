@@ -63,10 +63,9 @@ impl Panes {
         let mut linked = vec![first];
         let mut place = 0;
         while place < linked.len() {
-            let beside = self.beside(linked[place]);
-            linked.extend(
-                beside.into_iter().filter(|id| self.has_link(*id, link) && !linked.contains(id)).collect::<Vec<_>>(),
-            );
+            let mut beside = self.beside(linked[place]);
+            beside.retain(|id| self.has_link(*id, link) && !linked.contains(id));
+            linked.extend(beside);
             place += 1;
         }
         linked.split_off(1)
@@ -138,19 +137,17 @@ pub fn place_in(
     to: &Cursor,
     (positions, used): (&Positions, Range<usize>),
 ) -> Pos2 {
+    use PictureKind::{Dog, Frame, Map, Merge, Stack};
     // From mid-burst; 0 for pictures of the whole burst.
     let after = |kind: PictureKind| match kind {
-        PictureKind::Frame(t) => positions.offset_from(used.clone(), t).to_f32(),
+        Frame(t) => positions.offset_from(used.clone(), t).to_f32(),
         _ => Offset::default(),
     };
     let slope = match (from_kind, to_kind) {
-        (
-            PictureKind::Frame(_),
-            PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } | PictureKind::Map { slope, .. },
-        )
-        | (PictureKind::Stack { slope } | PictureKind::Dog { slope, .. } | PictureKind::Map { slope, .. }, _) => slope,
-        (PictureKind::Frame(_), _) => from.slope,
-        (PictureKind::Merge, _) => to.slope,
+        (Frame(_), Stack { slope } | Dog { slope, .. } | Map { slope, .. })
+        | (Stack { slope } | Dog { slope, .. } | Map { slope, .. }, _) => slope,
+        (Frame(_), _) => from.slope,
+        (Merge, _) => to.slope,
     };
     let (u, v) = slope.displacement(after(to_kind) - after(from_kind));
     pos_image + vec2(u, v)

@@ -77,11 +77,9 @@ pub enum Over {
 }
 
 impl Over {
-    #[must_use]
-    pub fn with_other(self, other: PaneId) -> Self {
+    pub fn other_mut(&mut self) -> &mut PaneId {
         match self {
-            Self::Wipe { at, .. } => Self::Wipe { other, at },
-            Self::Flip { flipped, .. } => Self::Flip { other, flipped },
+            Self::Wipe { other, .. } | Self::Flip { other, .. } => other,
         }
     }
 
@@ -150,8 +148,7 @@ impl Pane {
         self.slope_chosen = true;
         // A slice shows the slope as a line.
         let is_slice = matches!(self.content, Content::Slice(_));
-        let is_seen = is_slice || self.shown().is_some_and(|kind| kind.about().of_slope);
-        if !is_seen {
+        if !is_slice && !self.shown().is_some_and(|kind| kind.about().of_slope) {
             self.show(ViewKind::Stack);
         }
     }
@@ -170,8 +167,7 @@ impl Pane {
     /// `None` for a difference, which is made of other panes' pictures, and for a slice.
     pub fn wanted(&self, burst: &OpenBurst, params: &DetectorParams) -> Option<PictureRequest> {
         let kind = self.cursor_within(burst, params).picture(self.shown()?);
-        let kind = self.seen_by_method(kind, burst, params);
-        Some(PictureRequest::new(burst.clone(), kind, params.clone()))
+        Some(PictureRequest::new(burst.clone(), self.seen_by_method(kind, burst, params), params.clone()))
     }
 
     /// In a comparison of methods SIFT shows its input, one frame or the merged frames, in place of a motion stack.
@@ -186,11 +182,7 @@ impl Pane {
     }
 
     pub fn others(&self) -> Vec<PaneId> {
-        let mut others = match self.content {
-            Content::Difference(a, b) => vec![a, b],
-            Content::Cursor | Content::Merge | Content::Map(_) | Content::Slice(_) => Vec::new(),
-        };
-        others.extend(self.over.map(Over::other));
-        others
+        let subtracted = if let Content::Difference(a, b) = self.content { vec![a, b] } else { Vec::new() };
+        subtracted.into_iter().chain(self.over.map(Over::other)).collect()
     }
 }

@@ -57,8 +57,7 @@ impl Preset {
         let neighbours = |count: usize| {
             let (slopes, focus) = neighbouring_slopes(base.cursor.slope, params, count);
             // With a link, so that neighbours keep their distance as one is moved.
-            let panes = slopes.into_iter().map(|slope| at_slope(slope, true));
-            Laid { rows: in_rows(panes.collect()), focus }
+            Laid { rows: in_rows(slopes.into_iter().map(|slope| at_slope(slope, true)).collect()), focus }
         };
         match self {
             // Methods have panes of their own.
@@ -89,18 +88,15 @@ impl Preset {
                 Laid { rows: in_rows(panes), focus }
             }
             Self::Slice => {
-                let stack = at(&|p| p.show(moving));
                 // On a line of slopes nothing moves across the line: that slice would show nothing slanted.
-                let both = params.used_slopes().is_plane();
-                let axes = if both { &SliceAxis::ALL[..] } else { &SliceAxis::ALL[..1] };
+                let axes = if params.used_slopes().is_plane() { &SliceAxis::ALL[..] } else { &SliceAxis::ALL[..1] };
                 let slices = axes.iter().map(|&axis| at(&|p| p.show_slice(axis))).collect();
-                Laid { rows: vec![vec![stack], slices], focus: 0 }
+                Laid { rows: vec![vec![at(&|p| p.show(moving))], slices], focus: 0 }
             }
             Self::TwoByTwo => {
                 let [frame, stack, dog] = ViewKind::OF_CURSOR.map(|kind| at(&|p| p.show(kind)));
-                let merge = at(&|p| p.show(ViewKind::Merge));
                 let focus = ViewKind::OF_CURSOR.iter().position(|kind| *kind == base.cursor.kind).unwrap_or(1);
-                Laid { rows: vec![vec![frame, stack], vec![dog, merge]], focus }
+                Laid { rows: vec![vec![frame, stack], vec![dog, at(&|p| p.show(ViewKind::Merge))]], focus }
             }
         }
     }
@@ -112,8 +108,7 @@ pub(super) fn in_rows<T: Clone>(panes: Vec<T>) -> Vec<Vec<T>> {
         4..=8 => 2,
         _ => 3,
     };
-    let longest = panes.len().div_ceil(rows);
-    panes.chunks(longest.max(1)).map(<[T]>::to_vec).collect()
+    panes.chunks(panes.len().div_ceil(rows).max(1)).map(<[T]>::to_vec).collect()
 }
 
 /// The slope itself and the grid's next one, or the previous one where it is the last.
@@ -184,9 +179,8 @@ impl Panes {
                 vec![own.to_vec(), dogs.to_vec()]
             }
             SidesPreset::Difference => {
-                let difference = Pane { content: Content::Difference(own[0], own[1]), ..made[&own[0]].clone() };
                 let new = self.fresh();
-                made.insert(new, difference);
+                made.insert(new, Pane { content: Content::Difference(own[0], own[1]), ..made[&own[0]].clone() });
                 vec![own.to_vec(), vec![new]]
             }
         };
@@ -237,8 +231,7 @@ impl Panes {
         if panes().any(|pane| pane.method == Some(method)) || shown.len() + 2 > MAX_PANES {
             return;
         }
-        let rows_of_both = both && panes().any(|pane| pane.side == Side::B);
-        let sides = if rows_of_both { &Side::BOTH[..] } else { &Side::BOTH[..1] };
+        let sides = if both && panes().any(|pane| pane.side == Side::B) { &Side::BOTH[..] } else { &Side::BOTH[..1] };
         let mut ids = Vec::new();
         for side in sides {
             let id = self.fresh();

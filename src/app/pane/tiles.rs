@@ -18,12 +18,8 @@ pub fn tree_of(arrangement: &Arrangement) -> Tree<PaneId> {
 
 fn insert(tiles: &mut Tiles<PaneId>, arrangement: &Arrangement, next: &mut u64) -> TileId {
     let linear = |tiles: &mut Tiles<PaneId>, dir, parts: &[Part], next: &mut u64| {
-        let mut shares = Vec::new();
-        for part in parts {
-            shares.push((insert(tiles, &part.inner, next), part.share));
-        }
-        let mut linear = Linear::new(dir, shares.iter().map(|(id, _)| *id).collect());
-        shares.into_iter().for_each(|(id, share)| linear.shares.set_share(id, share));
+        let mut linear = Linear::new(dir, parts.iter().map(|part| insert(tiles, &part.inner, next)).collect());
+        linear.children.iter().zip(parts).for_each(|(id, part)| linear.shares.set_share(*id, part.share));
         Container::Linear(linear)
     };
     let container = match arrangement {
@@ -52,30 +48,24 @@ pub fn arrangement_of(tree: &Tree<PaneId>) -> Option<Arrangement> {
 }
 
 fn read(tiles: &Tiles<PaneId>, tile: TileId) -> Option<Arrangement> {
-    match tiles.get(tile)? {
-        Tile::Pane(id) => Some(Arrangement::Pane(*id)),
-        Tile::Container(Container::Linear(linear)) => {
-            let part = |id: &TileId| Some(Part { share: linear.shares[*id], inner: read(tiles, *id)? });
-            let parts: Vec<Part> = linear.children.iter().filter_map(part).collect();
-            (!parts.is_empty()).then_some(match linear.dir {
-                LinearDir::Horizontal => Arrangement::Row(parts),
-                LinearDir::Vertical => Arrangement::Column(parts),
-            })
+    let container = match tiles.get(tile)? {
+        Tile::Pane(id) => return Some(Arrangement::Pane(*id)),
+        Tile::Container(container) => container,
+    };
+    let read = |id: &TileId| Some((*id, read(tiles, *id)?));
+    let children: Vec<(TileId, Arrangement)> = container.children().filter_map(read).collect();
+    (!children.is_empty()).then(|| match container {
+        Container::Tabs(tabs) => {
+            let active = children.iter().position(|(id, _)| Some(*id) == tabs.active).unwrap_or(0);
+            Arrangement::Tabs { parts: children.into_iter().map(|(_, part)| part).collect(), active }
         }
-        Tile::Container(Container::Tabs(tabs)) => {
-            let parts: Vec<(TileId, Arrangement)> =
-                tabs.children.iter().filter_map(|id| Some((*id, read(tiles, *id)?))).collect();
-            let active = parts.iter().position(|(id, _)| Some(*id) == tabs.active).unwrap_or(0);
-            let parts: Vec<Arrangement> = parts.into_iter().map(|(_, part)| part).collect();
-            (!parts.is_empty()).then_some(Arrangement::Tabs { parts, active })
+        Container::Linear(Linear { dir, shares, .. }) => {
+            let parts = children.into_iter().map(|(id, inner)| Part { share: shares[id], inner }).collect();
+            if *dir == LinearDir::Horizontal { Arrangement::Row(parts) } else { Arrangement::Column(parts) }
         }
         // The window makes no grids; a grid is read as a row.
-        Tile::Container(Container::Grid(grid)) => {
-            let parts: Vec<Part> =
-                grid.children().filter_map(|id| Some(Part { share: 1.0, inner: read(tiles, *id)? })).collect();
-            (!parts.is_empty()).then_some(Arrangement::Row(parts))
-        }
-    }
+        Container::Grid(_) => Arrangement::Row(children.into_iter().map(|(_, inner)| Part::even(inner)).collect()),
+    })
 }
 
 #[cfg(test)]

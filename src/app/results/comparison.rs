@@ -182,12 +182,11 @@ fn rows_of_changes(with: Reference, changes: &Changes, before: &[Spot], features
         theirs(spot.pos_image, spot.sigma, spot.slope, format!("number {index} {whose}"))
     });
     let same = changes.same.iter().map(|same| {
-        let was = &before[same.before];
         let note =
             format!("by {:.2} px, {:.2} px/frame, scale × {:.2}", same.moved_px, same.slope_moved, same.scale_ratio);
         let moved = same.has_moved();
         Row {
-            from_image: moved.then_some(was.pos_image),
+            from_image: moved.then_some(before[same.before].pos_image),
             note: if moved { note } else { String::new() },
             ..ours(if moved { Compared::Moved } else { Compared::Same }, same.after, &features[same.after])
         }

@@ -170,11 +170,6 @@ impl<'a> Read<'a> {
         Self { document, results, shell }
     }
 
-    /// (columns, rows) of the open burst's frames; (0, 0) without one.
-    pub fn size(self) -> (usize, usize) {
-        self.burst_of(Side::A).map_or((0, 0), |b| b.burst.size())
-    }
-
     pub fn frame_count(self) -> usize {
         self.burst_of(Side::A).map_or(0, |b| b.burst.len())
     }
@@ -196,8 +191,7 @@ impl<'a> Read<'a> {
 
     pub fn needs_detection(self, side: Side) -> bool {
         let slot = &self.results.slots[side];
-        let is_made = |found: &FoundFeatures| found.asked == self.asked_of(side);
-        slot.burst.is_some() && slot.param_error.is_none() && !slot.found.as_ref().is_some_and(is_made)
+        slot.burst.is_some() && slot.param_error.is_none() && !self.features_are_current(side)
     }
 
     pub fn is_in_lesson(self) -> bool {

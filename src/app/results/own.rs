@@ -65,8 +65,7 @@ pub(super) fn origin(source: &BurstSource) -> BurstSource {
 impl<'a> Read<'a> {
     /// Options with which the burst of a side was opened.
     pub fn calibration_of(self, side: Side) -> &'a OpenOptions {
-        let of_b = self.document.calibration_of_b.as_ref().filter(|_| side == Side::B);
-        of_b.unwrap_or(&self.document.calibration)
+        self.document.calibration_of_b.as_ref().filter(|_| side == Side::B).unwrap_or(&self.document.calibration)
     }
 
     /// Whether what is set for one burst holds for the other: copies of one burst, and those of the open dataset.
@@ -94,13 +93,12 @@ impl<'a> Read<'a> {
             BurstSource::Example(example) => SlopeGrid::line(example.slopes_u().0, example.slopes_u().1).into(),
             _ => Slopes::AUTO,
         };
-        let is_usual = [Slopes::AUTO, usual].contains(&slopes);
         let own = Own {
             of: of.label(),
             side,
             calibration: OpenOptions::default().with_burst_of(self.calibration_of(side)),
             frames: self.document.params.frames,
-            slopes: (!is_usual).then_some(slopes),
+            slopes: Some(slopes).filter(|slopes| ![Slopes::AUTO, usual].contains(slopes)),
             filter: self.document.filter.clone(),
         };
         match side {

@@ -30,10 +30,9 @@ impl Read<'_> {
     /// becomes narrow.
     pub fn match_is_left(self) -> bool {
         let is_auto = [self.document.panels.left, self.document.panels.right] == [Visibility::Auto; 2];
-        let widths = MIN_WIDTH_WITH_LEFT..MIN_WIDTH_WITH_PAIR;
         self.document.workspace.shows_pair()
             && is_auto
-            && widths.contains(&self.shell.window_width_points)
+            && (MIN_WIDTH_WITH_LEFT..MIN_WIDTH_WITH_PAIR).contains(&self.shell.window_width_points)
             && self.shows_right()
     }
 

@@ -80,10 +80,8 @@ impl<'a> Read<'a> {
                 (self.focused_frame_count(), cursor.frame, Box::new(move |frame| Action::PlayFrame(id, frame)))
             }
             PlayOver::Scales => {
-                let levels = 0..params.levels as i32;
-                let scales: Vec<(i32, i32)> = octave_range(params, self.focused_size())
-                    .flat_map(|octave| levels.clone().map(move |level| (octave, level)))
-                    .collect();
+                let of_octave = |octave| (0..params.levels as i32).map(move |level| (octave, level));
+                let scales: Vec<(i32, i32)> = octave_range(params, self.focused_size()).flat_map(of_octave).collect();
                 let here = scales.iter().position(|scale| *scale == (cursor.octave, cursor.level)).unwrap_or(0);
                 (scales.len(), here, Box::new(move |place| Action::PlayScale(id, scales[place].0, scales[place].1)))
             }
@@ -299,8 +297,7 @@ impl<'a> Read<'a> {
     }
 
     pub fn slope_in_picture(self, id: PaneId) -> Option<Slope> {
-        let picture = self.picture_in(id).filter(|picture| picture.request.minus().is_none())?;
-        picture.request.kind.slope()
+        self.picture_in(id).filter(|picture| picture.request.minus().is_none())?.request.kind.slope()
     }
 
     pub fn range_class(self, id: PaneId) -> RangeClass {
@@ -318,18 +315,15 @@ impl<'a> Read<'a> {
         let ranges = self.pane(id).map_or(&self.document.look.ranges, |pane| self.document.ranges_of(pane));
         ranges.display(self.range_class(id))
     }
-}
 
-const STEPS: usize = 2;
-
-impl Read<'_> {
     pub fn film_to_export(self) -> Option<Film> {
         let side = self.active_side();
         let burst = self.burst_of(side)?.clone();
         let found = self.found_of(side);
         let params = found.map_or_else(|| self.results.slots[side].usable_params.clone(), |found| found.params.clone());
         let grid = params.used_slopes();
-        let count = |axis: &SlopeAxis| (STEPS * (axis.count - 1) + 1).min(MAX_FILM_PICTURES);
+        // The slopes of the grid, and those half-way between.
+        let count = |axis: &SlopeAxis| (2 * axis.count - 1).min(MAX_FILM_PICTURES);
         let sweep = match self.document.film.content {
             FilmContent::Scales => Sweep::Scale,
             FilmContent::Slopes if grid.u.count > 1 => Sweep::SlopeU(grid.u.min, grid.u.max, count(&grid.u)),

@@ -30,8 +30,7 @@ impl ProbeResults {
     /// Features of the answer that lie at its place.
     pub fn features_here(&self) -> Vec<usize> {
         let Some(probe) = self.answer.as_ref().map(|answer| &answer.probe) else { return Vec::new() };
-        let away =
-            |fate: &&Fate| (fate.pos_image[0] - probe.pos_image[0]).hypot(fate.pos_image[1] - probe.pos_image[1]);
+        let away = |fate: &&Fate| egui::Pos2::from(fate.pos_image).distance(probe.pos_image.into());
         let here = probe.near_fates().iter().filter(|fate| away(fate) <= AT_PLACE_PX);
         here.filter_map(|fate| fate.features.first().copied()).collect()
     }
@@ -103,8 +102,7 @@ impl<'a> Read<'a> {
     /// The slope of the picture that the pane of the probed burst shows; `None` for other content.
     pub fn slope_in_view(self) -> Option<Slope> {
         let pane = self.probed_pane();
-        let is_of_slope = pane.shown().is_some_and(|kind| kind.about().of_slope);
-        is_of_slope.then_some(pane.cursor.slope)
+        pane.shown().is_some_and(|kind| kind.about().of_slope).then_some(pane.cursor.slope)
     }
 
     pub fn untraced(self) -> Option<DetectionSource> {
@@ -147,8 +145,7 @@ impl<'a> Read<'a> {
     pub fn price_text(self, side: Side, change: &ParamChange) -> Option<String> {
         let answer =
             self.results.probed.answer.as_ref().filter(|_| self.document.probe.side == side && !self.probe_is_stale());
-        let known = answer.and_then(|answer| answer.prices.iter().find(|(of, _)| of == change));
-        if let Some((_, price)) = known {
+        if let Some((_, price)) = answer.and_then(|answer| answer.prices.iter().find(|(of, _)| of == change)) {
             return Some(capitalised(&price.sentence()));
         }
         let (found, burst) = (self.found_of(side)?, self.burst_of(side)?);

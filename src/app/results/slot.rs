@@ -133,19 +133,19 @@ impl<'a> Read<'a> {
         if saved.sigma == 0.0 {
             return Some(saved.index).filter(|index| *index < self.features().len());
         }
-        let distance = |f: &Feature| {
+        let features = self.features();
+        let distance = |index: usize| {
+            let f = &features[index];
             let place = (f.u - saved.u).hypot(f.v - saved.v) / saved.sigma.max(0.5);
             let scale = (f.sigma / saved.sigma).log2().abs();
             let slope = (f.slope.u - saved.slope.u).hypot(f.slope.v - saved.slope.v);
             place + scale + slope
         };
-        let features = self.features();
         let nearest = (0..features.len()).min_by(|&a, &b| {
-            distance(&features[a])
-                .total_cmp(&distance(&features[b]))
-                .then(a.abs_diff(saved.index).cmp(&b.abs_diff(saved.index)))
+            let [from_a, from_b] = [a, b].map(|index| index.abs_diff(saved.index));
+            distance(a).total_cmp(&distance(b)).then(from_a.cmp(&from_b))
         })?;
-        (distance(&features[nearest]) < 1.0).then_some(nearest)
+        (distance(nearest) < 1.0).then_some(nearest)
     }
 
     /// Parameter and session files are not among them, because they may be saved again after changes.
@@ -156,8 +156,7 @@ impl<'a> Read<'a> {
         for burst in self.results.datasets.open.iter().flat_map(|dataset| dataset.bursts.iter()) {
             files.extend(BurstSource::Paths(burst.paths.clone()).files());
         }
-        let calibrations = Side::BOTH.map(|side| self.calibration_of(side));
-        let calibration = calibrations.into_iter().flat_map(OpenOptions::paths);
+        let calibration = Side::BOTH.map(|side| self.calibration_of(side)).into_iter().flat_map(OpenOptions::paths);
         files.extend(calibration.flat_map(|path| BurstSource::Paths(vec![path]).files()));
         files.extend(self.document.comparisons.both().into_iter().filter_map(|comparison| comparison.file.clone()));
         for path in self.document.trajectories.paths().into_iter().flatten() {

@@ -125,8 +125,7 @@ impl PlaneScene {
         let [first, _, truth] = compared.read.each_ref().map(|read| read.as_ref().map(|(_, read)| read));
         let report = |of: usize| compared.reports.get(of)?.as_ref()?.as_ref().ok();
         let cameras = [0, 1, 2].map(|of| -> Vec<Isometry3<f64>> {
-            let read = compared.read[of].iter().flat_map(|(_, read)| &read.poses);
-            let poses = read.map(|pose| pose.world_from_camera);
+            let poses = compared.read[of].iter().flat_map(|(_, read)| &read.poses).map(|pose| pose.world_from_camera);
             match report(of) {
                 Some(report) => poses.map(|pose| report.truth_from_estimate.apply(&pose)).collect(),
                 None if of == 2 || of == 0 && truth.is_none() => poses.collect(),

@@ -154,9 +154,7 @@ impl View {
         if after.is_fit() {
             return self.set_fit();
         }
-        for (mine, (b, a)) in self.centre_image.iter_mut().zip(before.centre_image.iter().zip(after.centre_image)) {
-            *mine += a - b;
-        }
+        self.move_centre(Pos2::from(after.centre_image) - Pos2::from(before.centre_image));
         self.zoom = after.zoom;
     }
 

@@ -9,24 +9,18 @@ use crate::requests::{JobError, JobId, Urgency};
 use std::sync::{Arc, Mutex, mpsc};
 use std::time::Duration;
 
-/// Work that runs until it is cancelled or `go` receives a message.
-fn stubborn(go: mpsc::Receiver<()>) -> impl Fn(u32, &Monitor) -> Result<u32, JobError> + Send + Sync {
-    let go = Mutex::new(go);
-    move |request, monitor| {
-        loop {
+/// Jobs that run until cancelled; a message ends one job.
+fn stubborn_jobs(queue: &Arc<JobQueue>, grace: Duration) -> (Jobs<u32, u32>, mpsc::Sender<()>) {
+    let (go, gone) = mpsc::channel();
+    let gone = Mutex::new(gone);
+    let work = move |request: u32, monitor: &Monitor| {
+        while gone.lock().expect("not poisoned").try_recv().is_err() {
             monitor.check()?;
-            if go.lock().expect("not poisoned").try_recv().is_ok() {
-                return Ok(request);
-            }
             std::thread::sleep(Duration::from_millis(1));
         }
-    }
-}
-
-/// Jobs that run until cancelled; a message ends one job.
-fn stubborn_jobs(grace: Duration) -> (Jobs<u32, u32>, mpsc::Sender<()>) {
-    let (go, gone) = mpsc::channel();
-    (Jobs::new(&queue(), Urgency::Search, grace, stubborn(gone)), go)
+        Ok(request)
+    };
+    (Jobs::new(queue, Urgency::Search, grace, work), go)
 }
 
 fn answers_of(jobs: &Jobs<u32, u32>, count: usize) -> Vec<(JobId, Result<u32, JobError>)> {
@@ -41,7 +35,7 @@ fn answers_of(jobs: &Jobs<u32, u32>, count: usize) -> Vec<(JobId, Result<u32, Jo
 
 #[test]
 fn the_latest_request_wins_and_every_request_has_one_answer() {
-    let (jobs, go) = stubborn_jobs(Duration::ZERO);
+    let (jobs, go) = stubborn_jobs(&queue(), Duration::ZERO);
     let ids: Vec<JobId> = (0..50).map(|i| jobs.submit_as(jobs.manner, i)).collect();
     wait_for(|| jobs.running().filter(|r| r.id == ids[49]));
     go.send(()).expect("the work listens");
@@ -56,7 +50,7 @@ fn the_latest_request_wins_and_every_request_has_one_answer() {
 
 #[test]
 fn within_its_grace_a_superseded_request_is_still_answered() {
-    let (jobs, go) = stubborn_jobs(Duration::from_secs(60));
+    let (jobs, go) = stubborn_jobs(&queue(), Duration::from_secs(60));
     let first = jobs.submit_as(jobs.manner, 1);
     // One that has a progress or a time of its own runs; one that waits has begun just now.
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
@@ -70,8 +64,7 @@ fn within_its_grace_a_superseded_request_is_still_answered() {
 #[test]
 fn after_its_grace_a_superseded_request_is_cancelled() {
     let queue = queue();
-    let (go, gone) = mpsc::channel();
-    let jobs = Jobs::new(&queue, Urgency::Search, Duration::from_millis(30), stubborn(gone));
+    let (jobs, go) = stubborn_jobs(&queue, Duration::from_millis(30));
     let first = jobs.submit_as(jobs.manner, 1);
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
     let second = jobs.submit_as(jobs.manner, 2);
@@ -86,7 +79,7 @@ fn after_its_grace_a_superseded_request_is_cancelled() {
 
 #[test]
 fn what_is_there_already_comes_at_once_and_the_older_one_never() {
-    let (jobs, _go) = stubborn_jobs(Duration::from_secs(60));
+    let (jobs, _go) = stubborn_jobs(&queue(), Duration::from_secs(60));
     let old = jobs.submit_as(jobs.manner, 1);
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
     let new = jobs.publish(5);
@@ -162,7 +155,7 @@ fn a_search_goes_before_a_dataset_that_was_asked_for_earlier() {
 
 #[test]
 fn cancelling_answers_cancelled_also_what_waits_behind_a_superseded_one() {
-    let (jobs, go) = stubborn_jobs(Duration::from_secs(60));
+    let (jobs, go) = stubborn_jobs(&queue(), Duration::from_secs(60));
     let first = jobs.submit_as(jobs.manner, 1);
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
     let second = jobs.submit_as(jobs.manner, 2);

@@ -38,10 +38,9 @@ fn detected(engine: &Engine, burst: &OpenBurst, params: &SearchParams) -> Detect
 fn a_detection_that_keeps_its_trail_is_the_plain_one() {
     let (engine, burst) = (engine(), burst());
     let auto = SearchParams { slopes: Slopes::AUTO, ..with(Method::Buff, line(3)) };
-    let plane = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
     let asked = [
         with(Method::Buff, line(5)),
-        with(Method::Buff, plane),
+        with(Method::Buff, SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3)),
         with(Method::Merge, line(5)),
         with(Method::Sift, line(5)),
         auto,
@@ -93,8 +92,7 @@ fn a_change_of_thresholds_is_judged_from_what_the_last_search_left() {
     let trail = engine.caches.trails.get_or_make(&source(&burst, &first), &Monitor::default()).expect("valid");
     assert_eq!(trail.detection().features, all.detection.features);
     // What the search did not leave is searched anew.
-    let lower = changed(|detector| detector.noise_gate = NoiseGate::Factor(3.0));
-    let found = detected(&engine, &burst, &lower);
+    let found = detected(&engine, &burst, &changed(|detector| detector.noise_gate = NoiseGate::Factor(3.0)));
     assert!(found.detection.features.len() > all.detection.features.len());
     assert!(found.detection.times.noise_secs > 0.0);
     assert_eq!(detected(&engine, &burst, &first).detection.features, all.detection.features);
@@ -174,12 +172,8 @@ fn what_was_not_used_for_longest_goes_and_what_is_asked_for_stays() {
     let bytes: Vec<usize> = caches.iter().map(|cache| cache.bytes_beside(&burst.burst)).collect();
     // The coarser octave of three slopes and more, four bytes a pixel.
     let (width, height) = burst.burst.size();
-    assert!(
-        bytes[0] > 3 * (width / 2) * (height / 2) * 4
-            && bytes[2] > bytes[0]
-            && bytes[2] < Trails::default().budget_bytes(),
-        "{bytes:?}"
-    );
+    assert!(bytes[0] > 3 * (width / 2) * (height / 2) * 4 && bytes[2] > bytes[0], "{bytes:?}");
+    assert!(bytes[2] < Trails::default().budget_bytes(), "{bytes:?}");
     let kept = |trails: &Trails| params.iter().map(|p| trails.asked(&burst, p).is_some()).collect::<Vec<_>>();
 
     let two = Trails::new(bytes[0] + bytes[2]);

@@ -206,8 +206,7 @@ impl ColourScale {
 
     fn words_ui(&self, ui: &mut Ui) -> Response {
         let words = Moves::ALL.map(|moves| {
-            let colour = self.along(f32::from(moves as u8));
-            Label::new(RichText::new(moves.words()).small().color(colour)).selectable(false)
+            Label::new(RichText::new(moves.words()).small().color(self.along(f32::from(moves as u8)))).selectable(false)
         });
         ui.vertical(|ui| words.into_iter().for_each(|word| drop(ui.add(word)))).response
     }
@@ -302,12 +301,8 @@ mod tests {
         let speed = ColourScale::of(ColourBy::Speed, &features, &PLANE);
         let [right, up, slow] = [0, 1, 2].map(|i| speed.colour(i, &features[i]));
         assert!(right == up && up == speed.along(3.0) && slow != up && !speed.has_wheel());
-        for by in [
-            ColourBy::Speed,
-            ColourBy::Of(Quantity::SlopeU),
-            ColourBy::Of(Quantity::FieldV),
-            ColourBy::Of(Quantity::Coherence),
-        ] {
+        let quantities = [Quantity::SlopeU, Quantity::FieldV, Quantity::Coherence].map(ColourBy::Of);
+        for by in [ColourBy::Speed].into_iter().chain(quantities) {
             let scale = ColourScale::with_range(by, 0.0, 1.0);
             // Uneven responses, the few, are light.
             let at = |i: u8| if by == ColourBy::Of(Quantity::Coherence) { 20 - i } else { i };

@@ -67,10 +67,9 @@ pub fn drawn_lines(
     always: impl Fn(usize) -> bool,
 ) -> Vec<MatchLine> {
     let t = pane_a.ui_from_image;
-    let view_image = t.inverse().rect(pane_a.rect_ui);
     // Lines from picture to picture take more room than vectors.
     let (in_a_cell, scale) = if are_vectors { (3, t.scale()) } else { (1, 0.5 * t.scale()) };
-    let mut cells = cells(scale, view_image);
+    let mut cells = cells(scale, t.inverse().rect(pane_a.rect_ui));
     let mut numbers = 0..most.unwrap_or(0);
     let mut flags = vec![false; lines.len()];
     for is_inlier in [true, false] {
@@ -93,13 +92,12 @@ mod tests {
 
     fn crowd(count: usize) -> Vec<Feature> {
         let fraction = |i: usize, step: f32| (i as f32 * step).fract();
-        (0..count)
-            .map(|i| {
-                let (u, v) = (fraction(i, 0.618_034), fraction(i, 0.754_878));
-                let (u, v) = if i % 3 == 0 { (0.4 + 0.2 * u, 0.4 + 0.2 * v) } else { (u, v) };
-                feature(400.0 * u, 300.0 * v, 2.0, (0.0, 0.0), 1.0 / (1.0 + i as f32))
-            })
-            .collect()
+        let one = |i: usize| {
+            let (u, v) = (fraction(i, 0.618_034), fraction(i, 0.754_878));
+            let (u, v) = if i.is_multiple_of(3) { (0.4 + 0.2 * u, 0.4 + 0.2 * v) } else { (u, v) };
+            feature(400.0 * u, 300.0 * v, 2.0, (0.0, 0.0), 1.0 / (1.0 + i as f32))
+        };
+        (0..count).map(one).collect()
     }
 
     fn view(corner: egui::Pos2, zoom: f32) -> (RectTransform, Rect) {

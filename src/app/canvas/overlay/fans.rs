@@ -25,9 +25,7 @@ pub(super) fn draw_fans<'a>(
             add_fan(&mut mesh, &points, colour.gamma_multiply(FAN_OPACITY));
         }
     }
-    if !mesh.is_empty() {
-        output.painter.add(Shape::mesh(mesh));
-    }
+    output.painter.add(Shape::mesh(mesh));
 }
 
 pub fn add_fan(mesh: &mut Mesh, points: &[[f32; 2]], colour: Color32) {
@@ -57,10 +55,9 @@ pub fn draw_field(
     let every = (MIN_APART_POINTS / cell_points).ceil() as usize;
     let points = 0.5 * every as f32 * cell_points / max_px_per_frame;
     let middle = |cell: usize| (cell as f32 + 0.5) * field.cell_px as f32 - 0.5;
-    let seen = output.visible_image;
     let row = |j: usize| (0..field.size.0).step_by(every).map(move |i| (middle(i), middle(j)));
     for (u, v) in (0..field.size.1).step_by(every).flat_map(row) {
-        let Some(motion) = known(u, v).filter(|_| seen.contains(pos2(u, v))) else { continue };
+        let Some(motion) = known(u, v).filter(|_| output.visible_image.contains(pos2(u, v))) else { continue };
         let from = output.ui_from_image.pos(pos2(u, v));
         let line = [from, from + points * vec2(motion.slope.u, motion.slope.v)];
         let rim: Vec<Pos2> = rim(&motion).map(|aside| line[1] + points * aside).collect();

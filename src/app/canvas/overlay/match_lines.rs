@@ -3,6 +3,7 @@
 //! Colours and dashes are those of [`MatchKind`]. A small ring marks an end whose other end is outside its pane.
 
 use super::{RectTransform, Strokes};
+use crate::app::view::nearest;
 use crate::export::MatchKind;
 use egui::{Color32, Painter, Pos2, Rect, Stroke};
 
@@ -93,25 +94,15 @@ fn draw_one(strokes: &mut Strokes, panes: &[Pane; 2], line: &MatchLine, style: &
 
 /// The line with the nearest end within a few points, otherwise the nearest line.
 pub fn match_at(lines: &[MatchLine], panes: &[Pane; 2], pos_ui: Pos2) -> Option<usize> {
-    let mut best: Option<(bool, f32, usize)> = None;
-    for line in lines {
-        let ends = line.ends(panes);
-        let seen = ends.iter().filter(|(_, seen)| *seen);
-        let to_end = seen.map(|(end, _)| end.distance(pos_ui)).fold(f32::INFINITY, f32::min);
-        let candidate = if to_end <= END_TOLERANCE_POINTS {
-            (false, to_end, line.index)
-        } else if ends.iter().all(|(_, seen)| *seen) {
-            (true, distance_to_segment(pos_ui, ends[0].0, ends[1].0), line.index)
-        } else {
-            continue;
-        };
-        let near = !candidate.0 || candidate.1 <= LINE_TOLERANCE_POINTS;
-        // `false` sorts before `true`: an end within reach wins over any line.
-        if near && best.is_none_or(|(far, distance, _)| (candidate.0, candidate.1) < (far, distance)) {
-            best = Some(candidate);
-        }
-    }
-    best.map(|(_, _, index)| index)
+    let ends = lines.iter().flat_map(|line| line.ends(panes).map(|end| (end, line.index)));
+    let seen = ends.filter(|((_, is_seen), _)| *is_seen);
+    let at_end = nearest(seen.map(|((end, _), index)| (end.distance(pos_ui), index)), END_TOLERANCE_POINTS);
+    at_end.or_else(|| {
+        let whole = lines.iter().map(|line| (line.ends(panes), line.index));
+        let whole = whole.filter(|(ends, _)| ends.iter().all(|(_, is_seen)| *is_seen));
+        let apart = whole.map(|([from, to], index)| (distance_to_segment(pos_ui, from.0, to.0), index));
+        nearest(apart, LINE_TOLERANCE_POINTS)
+    })
 }
 
 fn distance_to_segment(pos: Pos2, from: Pos2, to: Pos2) -> f32 {

@@ -64,20 +64,17 @@ pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlaySty
         let centre = output.ui_from_image.pos(pos2(features[i].u, features[i].v));
         mesh.add_colored_rect(Rect::from_center_size(centre, Vec2::splat(2.0 * DOT_RADIUS_POINTS)), colour);
     }
-    if !mesh.is_empty() {
-        output.painter.add(Shape::mesh(mesh));
-    }
+    output.painter.add(Shape::mesh(mesh));
 }
 
 /// On one thread: waking others takes longer than the few hundred features that a view bears.
 pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>) {
-    let pixels_per_point = output.painter.pixels_per_point();
-    let visible: Vec<usize> = (0..features.len())
-        .filter(|&i| is_shown(style.shown, i) && is_visible(output, &features[i], style.positions))
-        .collect();
+    let is_seen = |i: &usize| is_shown(style.shown, *i) && is_visible(output, &features[*i], style.positions);
+    let visible: Vec<usize> = (0..features.len()).filter(is_seen).collect();
     let opacity = if style.stale { 0.35 } else { 0.95 };
     let edges = visible.len() <= MAX_WITH_EDGE && !style.stale;
-    let mut strokes = Strokes::with_room_for(pixels_per_point, visible.len() * if edges { 2 } else { 1 });
+    let count = visible.len() * if edges { 2 } else { 1 };
+    let mut strokes = Strokes::with_room_for(output.painter.pixels_per_point(), count);
     if style.motion && !style.stale {
         let coloured = visible.iter().map(|&i| (&features[i], style.scale.colour(i, &features[i])));
         fans::draw_fans(output, coloured, style.positions);
@@ -191,12 +188,11 @@ impl CircleMark {
 
 pub fn draw_circles(output: &CanvasOutput, marks: &[CircleMark], highlighted: Option<usize>) {
     let mut strokes = Strokes::new(output.painter.pixels_per_point());
-    let edge = Color32::from_black_alpha(110);
     let is_seen = |mark: &&CircleMark| output.visible_image.expand(mark.radius_image()).contains(mark.pos_image);
     let seen: Vec<&CircleMark> = marks.iter().filter(is_seen).collect();
     // All edges lie below all marks: none covers the line of a neighbour.
     for mark in seen.iter().filter(|_| seen.len() <= MAX_WITH_EDGE) {
-        draw_circle(&mut strokes, output, mark, 3.4, edge);
+        draw_circle(&mut strokes, output, mark, 3.4, Color32::from_black_alpha(110));
     }
     for mark in &seen {
         draw_circle(&mut strokes, output, mark, 1.6, mark.colour);
@@ -264,7 +260,6 @@ mod tests {
         // Between the marks, inside both large ones.
         assert_eq!(at(100.0, 114.0), Some(2));
         assert_eq!(at(300.0, 300.0), None);
-        let shown = [true, false, true];
-        assert_eq!(feature_at(&features, Some(&shown), t, t.pos(pos2(120.0, 100.0))), Some(2));
+        assert_eq!(feature_at(&features, Some(&[true, false, true]), t, t.pos(pos2(120.0, 100.0))), Some(2));
     }
 }

@@ -23,9 +23,7 @@ impl Strokes {
     }
 
     pub fn paint(self, painter: &Painter) {
-        if !self.mesh.is_empty() {
-            painter.add(Shape::mesh(self.mesh));
-        }
+        painter.add(Shape::mesh(self.mesh));
     }
 
     /// Adds the vertices across a stroke, `at` distances from its middle, and returns their number.

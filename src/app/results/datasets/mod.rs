@@ -136,8 +136,7 @@ impl Dataset {
     /// By its picture's name, with or without folders before it, or its own name.
     pub fn place_of_camera(&self, label: &str) -> Option<usize> {
         let file = label.rsplit(['/', '\\']).next().unwrap_or(label);
-        let named = |b: &BurstFiles| image_name(b) == file || b.name == label;
-        self.bursts.iter().position(named)
+        self.bursts.iter().position(|burst| image_name(burst) == file || burst.name == label)
     }
 
     pub fn source_at(&self, place: usize) -> Option<BurstSource> {
@@ -194,11 +193,8 @@ impl Dataset {
             self.matches.counts.clear();
         }
         self.opened.params = params.clone();
-        for state in &mut self.states {
-            if others || !matches!(state, BurstState::Done(_)) {
-                *state = BurstState::Waiting;
-            }
-        }
+        let searched = self.states.iter_mut().filter(|state| others || !matches!(state, BurstState::Done(_)));
+        searched.for_each(|state| *state = BurstState::Waiting);
     }
 
     pub fn take_event(&mut self, event: &DatasetEvent) {
@@ -226,11 +222,8 @@ impl Dataset {
     }
 
     pub fn stop(&mut self) {
-        for state in &mut self.states {
-            if *state == BurstState::Running {
-                *state = BurstState::Waiting;
-            }
-        }
+        let running = self.states.iter_mut().filter(|state| **state == BurstState::Running);
+        running.for_each(|state| *state = BurstState::Waiting);
     }
 }
 

@@ -41,8 +41,7 @@ pub struct PairTable {
 impl PairTable {
     /// Numbers begin with the largest; a second click reverses the order.
     pub fn sort_by(&mut self, column: PairColumn) {
-        let again = self.order.column == column;
-        let descending = if again { !self.order.descending } else { column != PairColumn::Pair };
+        let descending = if self.order.column == column { !self.order.descending } else { column != PairColumn::Pair };
         self.order = Order { column, descending };
     }
 

@@ -99,8 +99,7 @@ impl<'a> Read<'a> {
             Lost::RatioTest => MatchParams { ratio: (100.0 * why.unmatched.ratio?).ceil() / 100.0, ..params.clone() },
             Lost::MutualCheck => MatchParams { mutual: false, ..params.clone() },
             Lost::Geometry => {
-                let error = matches.rows().find(|row| row.found.a == why.feature)?.error_px?;
-                let factor = error / matches.max_error_px();
+                let factor = matches.rows().find(|row| row.found.a == why.feature)?.error_px? / matches.max_error_px();
                 let max_error_px = (10.0 * factor * params.max_error_px).ceil() / 10.0;
                 if !(1.0..MOST_FACTOR).contains(&factor) {
                     return None;
@@ -131,8 +130,7 @@ impl<'a> Read<'a> {
         let is_inlier = |row: &MatchRow<'_>| row.inlier != Some(false);
         let own = then.rows().find(|row| row.found.a == why.feature);
         if !own.as_ref().is_some_and(is_inlier) {
-            let as_what = if own.is_some() { "makes it an outlier" } else { "does not match it" };
-            return Some(as_what.to_owned());
+            return Some(if own.is_some() { "makes it an outlier" } else { "does not match it" }.to_owned());
         }
         let inliers = |of: &Matches| of.rows().filter(is_inlier).count();
         let (now, before) = (inliers(&then), inliers(matches));

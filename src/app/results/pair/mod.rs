@@ -11,11 +11,11 @@ pub use matches::{MatchRow, Matches, PAIR_NUMBERS};
 
 use crate::app::document::{MatchColumn, MatchLook, MethodId, Order, SavedMatch, Side};
 use crate::app::memo::Itself;
-use crate::app::results::{FoundFeatures, Read};
+use crate::app::results::Read;
 use crate::detector::{DetectorParams, Method, SearchParams, Slope, SlopeGrid};
 use crate::engine::Wanted;
 use crate::error::Error;
-use crate::requests::{MatchRequest, PictureAnswer};
+use crate::requests::MatchRequest;
 
 /// Lines of the method with the most inliers, where no number is set.
 const LINES_OF_METHODS: usize = 40;
@@ -151,12 +151,9 @@ impl<'a> Read<'a> {
 
     pub fn stale_matches(self) -> Option<&'static str> {
         let matches = self.results.pair.matches.as_ref()?;
-        let features = [Side::A, Side::B].into_iter().any(|side| {
-            let same =
-                |found: &FoundFeatures| found.asked == self.asked_of(side) && matches.is_of(side, &found.detection);
-            !self.found_of(side).is_some_and(same)
-        });
-        if features {
+        let current = |side| self.found_of(side).filter(|_| self.features_are_current(side));
+        let is_of = |side| current(side).is_some_and(|found| matches.is_of(side, &found.detection));
+        if !Side::BOTH.into_iter().all(is_of) {
             return Some("Stale matches: the detector's parameters changed");
         }
         (matches.request.params != self.document.matching)
@@ -166,9 +163,5 @@ impl<'a> Read<'a> {
     /// Side whose slope and scale the cursor sets now.
     pub fn active_side(self) -> Side {
         if self.shows_pair() { self.document.focused().side } else { Side::A }
-    }
-
-    pub fn picture_of(self, side: Side) -> Option<&'a PictureAnswer> {
-        self.picture_in(self.document.pane_for(side))
     }
 }
