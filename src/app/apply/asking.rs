@@ -71,20 +71,17 @@ impl Part for PanePictures {
     }
 
     fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
-        let pictures = &mut pass.model.results.pictures;
-        for shown in pictures.values_mut() {
+        let mut all_ended = Vec::new();
+        for (id, shown) in &mut pass.model.results.pictures {
             // The first picture sets the range of values, which a preview must not.
             let is_new = |preview: &PictureAnswer| {
                 let class = |picture: &PictureAnswer| RangeClass::of(&picture.request);
                 shown.picture.as_ref().is_some_and(|picture| class(picture) == class(preview))
             };
-            let previews = shown.wanted.take_partial();
-            shown.preview = previews.into_iter().rfind(is_new).or(shown.preview.take());
+            shown.preview = shown.wanted.take_partial().into_iter().rfind(is_new).or(shown.preview.take());
+            all_ended.extend(shown.wanted.take().into_iter().map(|ended| (*id, ended)));
         }
-        let taken = pictures.iter_mut().map(|(id, shown)| (*id, shown.wanted.take()));
-        for (id, ended) in
-            taken.collect::<Vec<_>>().into_iter().flat_map(|(id, all)| all.into_iter().map(move |ended| (id, ended)))
-        {
+        for (id, ended) in all_ended {
             match ended.result {
                 Ok(picture) => panes::take_picture(pass.model, id, picture),
                 Err(JobError::Cancelled) => pass.model.results.pictures.entry(id).or_default().wanted.forget(),

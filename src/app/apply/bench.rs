@@ -4,8 +4,7 @@
 use crate::app::apply::{asking, change, detection, opening, pair, panes, params};
 use crate::app::document::{Document, Ranges, Side};
 use crate::app::pane::{PaneId, Preset};
-use crate::app::results::*;
-use crate::app::results::{Model, Read};
+use crate::app::results::{Effect, Model, Read};
 use crate::burst::Burst;
 use crate::detector::{Detection, DetectorParams, Feature, SearchParams, Slope, SlopeGrid, StageTimes, Tally};
 use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
@@ -58,7 +57,7 @@ impl Bench {
             let discs = ChartParams { width, height: 72, discs: 5, radius: 3.0..=5.0, ..ChartParams::default() };
             let chart = ChartParams { frames: 5, max_slope: 1.0, snr: 20.0, seed, ..discs };
             let source = BurstSource::Chart(Box::new(chart));
-            source.open(&Default::default(), &crate::Monitor::default()).expect("valid")
+            source.open(&Default::default(), &Monitor::default()).expect("valid")
         };
         let mut bench = Self::new();
         opening::take_burst(&mut bench.model, chart(120, 1));

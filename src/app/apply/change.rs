@@ -65,18 +65,17 @@ pub fn show_truth(model: &mut Model, _: &Engine) {
 }
 
 pub fn toggle_left(model: &mut Model, _: &Engine) {
-    if Read::of(model).shows_left() {
-        model.document.panels.left = Visibility::Closed;
-    } else {
-        panes::open_left(model);
+    match Read::of(model).shows_left() {
+        true => model.document.panels.left = Visibility::Closed,
+        false => panes::open_left(model),
     }
 }
 
 pub fn select_next(model: &mut Model, forward: bool) {
     explained::refresh_listed(model);
     pair::refresh_listed_matches(model);
-    let row = neighbour(Read::of(model).listed(), model.document.selected_row(), forward);
-    model.document.select_row(row);
+    let listed = Read::of(model).listed();
+    model.document.select_row(neighbour(listed, model.document.selected_row(), forward));
 }
 
 pub fn select_first(model: &mut Model, _: &Engine) {
@@ -104,6 +103,6 @@ pub fn colour_next(document: &mut Document) {
 }
 
 pub fn search_plane(model: &mut Model, _: &Engine) {
-    let plane = plane_of(Read::of(model).grid_of(Side::A));
-    (model.document.params.method, model.document.params.slopes) = (Method::Buff, plane.into());
+    let slopes = plane_of(Read::of(model).grid_of(Side::A)).into();
+    (model.document.params.method, model.document.params.slopes) = (Method::Buff, slopes);
 }

@@ -65,9 +65,8 @@ pub fn select_row(model: &mut Model, side: Side, row: Option<usize>) {
 
 pub(super) fn take_comparison(model: &mut Model, side: Side, ended: Ended<ComparisonRequest>) {
     let is_wanted = Read::of(model).wanted_comparison(side).is_some_and(|wanted| wanted == ended.request);
-    let (set, results) = (&mut model.document.comparisons[side], &mut model.results.slots[side].comparison);
     if let Some(compared) = ended.result.ok().filter(|_| is_wanted) {
-        results.take(compared, set);
+        model.results.slots[side].comparison.take(compared, &mut model.document.comparisons[side]);
     }
 }
 
@@ -114,11 +113,10 @@ mod tests {
         assert!(bench.read().shown_comparison(Side::A).is_none());
         show_comparison(&mut bench.model, Side::A, Some(Reference::Truth));
         bench.run_until(|model, _| model.shown_comparison(Side::A).is_some());
-        let summaries =
-            |model: Read<'_>| Side::BOTH.map(|side| model.shown_comparison(side).map(|s| s.summary.clone()));
-        for side in Side::BOTH {
-            let (slot, shown) =
-                (&bench.model.results.slots[side], bench.read().shown_comparison(side).expect("there").clone());
+        let shown = |model: Read<'_>| Side::BOTH.map(|side| model.shown_comparison(side).expect("there").clone());
+        let [of_a, of_b] = shown(bench.read());
+        for (side, shown) in [(Side::A, &of_a), (Side::B, &of_b)] {
+            let slot = &bench.model.results.slots[side];
             assert!(Arc::ptr_eq(&shown.detection, &slot.found.as_ref().expect("found").detection));
             // All discs of the side's own chart are found or missed.
             let discs = shown.count(Compared::Same) + shown.count(Compared::Theirs);
@@ -126,10 +124,9 @@ mod tests {
             assert_eq!(discs, truth.expect("a chart").features.len());
             assert!(shown.count(Compared::Same) > 0, "{}", shown.summary);
         }
-        let before = summaries(bench.read());
         pair::swap_sides(&mut bench.model);
         bench.settle();
-        let [a, b] = summaries(bench.read());
-        assert_eq!([b, a], before);
+        let [a, b] = shown(bench.read());
+        assert_eq!((&b.summary, &a.summary), (&of_a.summary, &of_b.summary));
     }
 }

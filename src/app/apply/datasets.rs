@@ -104,17 +104,10 @@ pub(in crate::app) fn export_database(model: &mut Model, out: PathBuf, engine: &
 }
 
 pub(in crate::app) fn show_selected_pair(model: &mut Model, engine: &Engine) {
-    let (Some(dataset), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else { return };
+    let (Some(_), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else { return };
     let Sides { a: Some(a), b: Some(b) } = set.pair else { return };
-    let chosen = [(Side::A, a), (Side::B, b)].map(|(side, place)| {
-        let is_open = Read::of(model).place_of(side) == Some(place);
-        (side, is_open, dataset.source_at(place))
-    });
-    for (side, is_open, source) in chosen {
-        if let Some(source) = source.filter(|_| !is_open) {
-            opening::open(model, side, source, engine);
-        }
-    }
+    open_burst_at(model, Side::A, a, engine);
+    open_burst_at(model, Side::B, b, engine);
     model.document.open_workspace(Workspace::Pair);
 }
 
@@ -122,13 +115,13 @@ pub(in crate::app) fn step_burst(model: &mut Model, by: isize, engine: &Engine) 
     let Some(dataset) = &model.results.datasets.open else { return };
     let last = dataset.bursts.len() - 1;
     let here = Read::of(model).place_of(Side::A);
-    open_burst_at(model, here.map_or(0, |place| place.saturating_add_signed(by).min(last)), engine);
+    open_burst_at(model, Side::A, here.map_or(0, |place| place.saturating_add_signed(by).min(last)), engine);
 }
 
-pub(in crate::app) fn open_burst_at(model: &mut Model, place: usize, engine: &Engine) {
+pub(in crate::app) fn open_burst_at(model: &mut Model, side: Side, place: usize, engine: &Engine) {
     let source = model.results.datasets.open.as_ref().and_then(|dataset| dataset.source_at(place));
-    if let Some(source) = source.filter(|_| Read::of(model).place_of(Side::A) != Some(place)) {
-        opening::open(model, Side::A, source, engine);
+    if let Some(source) = source.filter(|_| Read::of(model).place_of(side) != Some(place)) {
+        opening::open(model, side, source, engine);
     }
 }
 
@@ -142,7 +135,7 @@ pub(in crate::app) fn look_at_camera(model: &mut Model, label: &str, feature: Op
                 model.document.selected = Read::of(model).find_again(&saved).filter(|_| is_open);
                 model.results.reselect = Some(saved).filter(|_| model.document.selected.is_none());
             }
-            open_burst_at(model, place, engine);
+            open_burst_at(model, Side::A, place, engine);
             model.document.open_workspace(Workspace::Inspect);
         }
         Some((None, name)) => {
@@ -223,22 +216,17 @@ fn take_dataset(model: &mut Model, open: OpenDataset, engine: &Engine) -> Vec<Ef
     }
     if let [first, rest @ ..] = &open.strays[..] {
         let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
-        let stray = Error::stray(first);
-        model.shell.messages.error("Open dataset", format!("{stray}{more}"));
+        model.shell.messages.error("Open dataset", format!("{}{more}", Error::stray(first)));
     }
     let dataset = Dataset::new(open);
-    let (count, done) = (dataset.bursts.len(), dataset.counts().done);
-    model.shell.messages.note(format!(
-        "Opened {}: {}, {done} of them done",
-        dataset.source.label(),
-        counted(count, "burst")
-    ));
+    let (name, bursts) = (dataset.source.label(), counted(dataset.bursts.len(), "burst"));
+    model.shell.messages.note(format!("Opened {name}: {bursts}, {} of them done", dataset.counts().done));
     let recent = Effect::RecentDataset(dataset.source.clone());
     (model.results.datasets.open, model.results.datasets.exported) = (Some(dataset), None);
     model.document.panels.filmstrip = true;
     // A session opens its own burst.
     if Read::of(model).place_of(Side::A).is_none() && !is_set {
-        open_burst_at(model, 0, engine);
+        open_burst_at(model, Side::A, 0, engine);
     }
     vec![recent, Effect::ForgetThumbnails]
 }
@@ -246,8 +234,8 @@ fn take_dataset(model: &mut Model, open: OpenDataset, engine: &Engine) -> Vec<Ef
 fn say_what_was_found(model: &mut Model, seconds: f64) {
     let Some(dataset) = &model.results.datasets.open else { return };
     let counts = dataset.counts();
-    let mut text =
-        format!("{} done in {seconds:.1} s: {}", counted(counts.done, "burst"), counted(counts.features, "feature"));
+    let (bursts, features) = (counted(counts.done, "burst"), counted(counts.features, "feature"));
+    let mut text = format!("{bursts} done in {seconds:.1} s: {features}");
     if counts.failed > 0 {
         text += &format!("; {} failed, see the filmstrip", counts.failed);
     }

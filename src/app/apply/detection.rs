@@ -21,25 +21,19 @@ pub fn start_detection(model: &mut Model, side: Side, engine: &Engine) {
 }
 
 pub(super) fn take_features(model: &mut Model, side: Side, ended: Ended<DetectRequest>) {
-    match ended.result {
-        Ok(detected) => {
-            model.shell.messages.resolved(side.detection());
-            take_detection(model, side, detected, ended.elapsed);
-        }
-        Err(error) => model.shell.messages.failed(side.detection(), &error),
+    if let Some(detected) = model.shell.messages.outcome(ended.result, side.detection()) {
+        take_detection(model, side, detected, ended.elapsed);
     }
 }
 
 /// Shows the features of one slope of a long search, until all are there; not in place of others of the burst.
 pub(super) fn take_first_features(model: &mut Model, side: Side, first: Detected) {
-    let Some(burst) = Read::of(model).burst_of(side).filter(|burst| burst.id == first.burst) else { return };
-    if model.results.slots[side].found.is_some() {
-        return;
-    }
-    // One slope tells nothing about the range.
+    let is_first = model.results.slots[side].found.is_none();
+    let burst = Read::of(model).burst_of(side).filter(|burst| is_first && burst.id == first.burst);
+    let Some(burst) = burst else { return };
     let found = FoundFeatures::new(first, burst, Duration::ZERO);
-    let found = FoundFeatures { is_first_slope: true, advice: None, ..found };
-    model.results.slots[side].found = Some(found);
+    // One slope tells nothing about the range.
+    model.results.slots[side].found = Some(FoundFeatures { is_first_slope: true, advice: None, ..found });
     explained::refresh_listed(model);
     go_to_first_slope(model, side, None);
 }

@@ -22,7 +22,7 @@ mod tests;
 
 use crate::app::actions::registry::{ActionId, Does};
 use crate::app::document::panes::Change;
-use crate::app::document::{Action, Pointed, Side, Visibility};
+use crate::app::document::{Action, Pointed, Side};
 use crate::app::results::{Effect, Model, Read};
 use crate::burst::OpenOptions;
 use crate::engine::Engine;
@@ -67,7 +67,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         }
         A::OpenTrajectory(which, path) => studies::open_trajectory(model, which, Some(path), engine),
         A::CloseTrajectory(which) => studies::open_trajectory(model, which, None, engine),
-        A::OpenBurstAt(place) => datasets::open_burst_at(model, place, engine),
+        A::OpenBurstAt(place) => datasets::open_burst_at(model, Side::A, place, engine),
         A::CutOpenBurst(length) => datasets::cut_open_burst(model, length, engine),
         A::Calibrate(options) => return vec![opening::calibrate(model, options, engine)],
         A::TakeLeftBehind(uses) => opening::take_left_behind(model, uses, engine),
@@ -83,14 +83,12 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
             model.results.coherence.try_again();
         }
         A::ToggleTab(tab) => {
-            model.document.panels.bottom =
-                Visibility::from(!Read::of(model).shows_bottom() || model.document.bottom_tab != tab);
-            model.document.bottom_tab = tab;
+            let opens = !Read::of(model).shows_bottom() || model.document.bottom_tab != tab;
+            (model.document.panels.bottom, model.document.bottom_tab) = (opens.into(), tab);
         }
         A::SetPairTab(tab) => {
-            model.document.panels.bottom =
-                Visibility::from(!Read::of(model).shows_bottom() || model.document.pair_tab != tab);
-            model.document.pair_tab = tab;
+            let opens = !Read::of(model).shows_bottom() || model.document.pair_tab != tab;
+            (model.document.panels.bottom, model.document.pair_tab) = (opens.into(), tab);
         }
         A::UseFrames(count) => panes::use_frames(model, count),
         A::ApplyChanges(side, changes) => explained::apply_advice(model, side, &changes),

@@ -64,19 +64,12 @@ fn take_opened(
     engine: &Engine,
 ) -> Option<Effect> {
     let dataset = model.results.datasets.open.as_ref().filter(|dataset| dataset.place_of(&burst.source).is_some());
-    let recent = match dataset {
-        Some(dataset) => {
-            dataset.name_as_here(&mut burst);
-            None
-        }
-        None => Some(Effect::Recent(burst.source.clone())),
-    };
+    let recent = dataset.is_none().then(|| Effect::Recent(burst.source.clone()));
+    dataset.into_iter().for_each(|dataset| dataset.name_as_here(&mut burst));
     model.shell.messages.resolved(side.opening());
     let before = Read::of(model).burst_of(side).map(|open| open.source.clone());
     let is_again = before.as_ref() == Some(&burst.source);
-    if !is_again {
-        model.results.left_behind = None;
-    }
+    model.results.left_behind.take_if(|_| !is_again);
     leave_behind(model, side);
     model.results.slots[side].refused = None;
     match side {

@@ -87,13 +87,9 @@ pub(super) fn begin_panes_of_b(model: &mut Model) {
 }
 
 pub(super) fn take_matches(model: &mut Model, ended: Ended<MatchRequest>) {
-    match ended.result {
-        Ok(matched) => {
-            model.shell.messages.resolved("Matching");
-            take_made_matches(model, Matches::new(matched, ended.elapsed));
-            refresh_listed_matches(model);
-        }
-        Err(error) => model.shell.messages.failed("Matching", &error),
+    if let Some(matched) = model.shell.messages.outcome(ended.result, "Matching") {
+        take_made_matches(model, Matches::new(matched, ended.elapsed));
+        refresh_listed_matches(model);
     }
 }
 
