@@ -6,7 +6,7 @@ use crate::app::canvas::overlay::{CircleMark, circle_at, draw_circles};
 use crate::app::document::{Action, Compared, Destination, Pointed, Reference, Side};
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
-use crate::app::panel::legend;
+use crate::app::panel::display;
 use crate::app::panel::table::{Heading, Listed, rows_ui, texts};
 use crate::app::panel::widgets::{dashed_circle, progress_text, progress_ui, tip_ui};
 use crate::app::results::Read;
@@ -230,7 +230,7 @@ pub fn legend_ui(ui: &mut Ui, model: Read<'_>, in_pane: &RowsInPane<'_>, output:
     let is_shown = |kind: &Compared| model.document.comparisons[side].shows(*kind);
     let kinds: Vec<Compared> = Compared::of(shown.with).iter().copied().filter(is_shown).collect();
     let size = vec2(196.0, 16.0 + 18.0 * kinds.len() as f32);
-    legend::legend_ui(ui, model, (Align2::RIGHT_BOTTOM, output.response.rect, size), queue, |ui| {
+    display::legend_ui(ui, model, (Align2::RIGHT_BOTTOM, output.response.rect, size), queue, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         for kind in kinds {
             ui.horizontal(|ui| {
@@ -275,10 +275,8 @@ mod tests {
         opening::take_burst(&mut model, burst.clone());
         let engine = crate::engine::Engine::new(std::sync::Arc::new(|| {}), 1 << 20);
         detection::start_detection(&mut model, Side::A, &engine);
-        assert_eq!(
-            (what_to_do(Read::of(&model), Side::A), Read::of(&model).takes_advice(Side::A)),
-            ("Detecting…", false)
-        );
+        assert_eq!(what_to_do(Read::of(&model), Side::A), "Detecting…");
+        assert!(!Read::of(&model).takes_advice(Side::A));
         model.results.slots.a.detecting.forget();
         assert!(Read::of(&model).takes_advice(Side::A));
         let params = model.document.params.clone();
