@@ -55,8 +55,7 @@ pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: Read<'_>, queue: &mu
         ui.add_space(6.0);
         if let Some(spot) = step.state.spot {
             Frame::group(ui.style()).show(ui, |ui| {
-                let slope = step.state.slope.unwrap_or_default();
-                snr_ui(ui, model, &mut open.snr, spot, slope, queue);
+                snr_ui(ui, model, &mut open.snr, spot, step.state.slope.unwrap_or_default(), queue);
             });
             ui.add_space(6.0);
         }
@@ -99,8 +98,7 @@ fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson) {
     let frame = Frame::new().fill(colour.gamma_multiply(0.14)).stroke(Stroke::new(1.0, colour.gamma_multiply(0.7)));
     frame.corner_radius(6).inner_margin(Margin::symmetric(10, 7)).show(ui, |ui| {
         ui.set_width(ui.available_width());
-        let head = if done { "✔ Done" } else { "Try it" };
-        ui.label(RichText::new(head).strong().color(colour));
+        ui.label(RichText::new(if done { "✔ Done" } else { "Try it" }).strong().color(colour));
         caption_ui(ui, text);
     });
 }
@@ -135,8 +133,7 @@ fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicke
     });
     ui.add_space(3.0);
     ui.horizontal(|ui| {
-        let width = 0.5 * (ui.available_width() - ui.spacing().item_spacing.x);
-        let size = vec2(width, 28.0);
+        let size = vec2(0.5 * (ui.available_width() - ui.spacing().item_spacing.x), 28.0);
         let before = open.back();
         let back = ui.add_enabled(before.is_some(), Button::new("Back").min_size(size));
         back.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, before.is_some(), "Step back"));

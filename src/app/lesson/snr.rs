@@ -138,9 +138,8 @@ fn plot_ui(ui: &mut Ui, all: usize, trace: &SnrTrace, now: Option<usize>) {
     let law = ui.visuals().weak_text_color();
     let points: Vec<[f64; 2]> = trace.measured.iter().map(|(n, ratio)| [*n as f64, f64::from(*ratio)]).collect();
     let count = points.len();
-    let highest = f64::from(trace.largest).max(0.1);
     let one = trace.of_one_frame().unwrap_or(0.0);
-    let top = 1.15 * highest.max(one * (all as f64).sqrt());
+    let top = 1.15 * f64::from(trace.largest).max(0.1).max(one * (all as f64).sqrt());
     still_plot("snr over frames")
         .height(HEIGHT)
         .show_x(false)

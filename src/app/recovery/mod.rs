@@ -142,7 +142,8 @@ impl Recovery {
             // Files and the other windows' turn at them stay; this window has no more to do with them.
             RecoveryChoice::Later => self.left.clear(),
             RecoveryChoice::Remove => {
-                self.forget();
+                let offered = if self.restoring.is_none() { self.left.pop_front() } else { None };
+                offered.into_iter().for_each(|(record, _)| record.remove());
                 messages.note("Removed the saved session");
             }
             RecoveryChoice::Restore => return Some(self.left.front()?.0.session.clone()),
@@ -155,14 +156,6 @@ impl Recovery {
         let age = record.saved().and_then(|saved| SystemTime::now().duration_since(saved).ok()).unwrap_or_default();
         let (is_restoring, is_asking) = (self.restoring.is_some(), self.is_asking);
         Some(Offer { label: label.clone(), age, more: self.left.len() - 1, is_restoring, is_asking })
-    }
-
-    fn forget(&mut self) {
-        if self.restoring.is_none()
-            && let Some((record, _)) = self.left.pop_front()
-        {
-            record.remove();
-        }
     }
 
     /// If it was that of the offer and `is_done`, the offered record replaces the window's own.

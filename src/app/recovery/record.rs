@@ -31,9 +31,6 @@ struct Held {
     written: u64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Turn(u64);
-
 impl Record {
     pub fn new(folder: &Path) -> io::Result<Self> {
         static COUNT: AtomicU32 = AtomicU32::new(0);
@@ -60,11 +57,10 @@ impl Record {
         let mut found = Vec::new();
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
             let path = entry.path();
-            let extension = path.extension().and_then(|extension| extension.to_str());
-            let session = path.with_extension(SESSION);
-            if !matches!(extension, Some(SESSION | LOCK)) {
+            if !path.extension().is_some_and(|extension| extension == SESSION || extension == LOCK) {
                 continue;
             }
+            let session = path.with_extension(SESSION);
             let Ok(Some(lock)) = locked(&session) else { continue };
             let record = Self::of(session, lock);
             match record.saved() {
@@ -89,8 +85,8 @@ impl Record {
         std::fs::metadata(&self.session).ok()?.modified().ok()
     }
 
-    pub fn turn(&self) -> Turn {
-        Turn(self.newest.fetch_add(1, Ordering::Relaxed) + 1)
+    pub fn turn(&self) -> u64 {
+        self.newest.fetch_add(1, Ordering::Relaxed) + 1
     }
 
     pub fn write(&self, text: &str) -> Result<(), String> {
@@ -98,7 +94,7 @@ impl Record {
     }
 
     /// Does nothing if a newer text was written meanwhile, or the record was removed.
-    pub fn write_in_turn(&self, text: &str, Turn(turn): Turn) -> Result<(), String> {
+    pub fn write_in_turn(&self, text: &str, turn: u64) -> Result<(), String> {
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         if held.lock.is_none() || held.written > turn {
             return Ok(());
