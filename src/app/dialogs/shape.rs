@@ -116,8 +116,7 @@ impl ShapeDialog {
         weak_ui(ui, "The first frame in each shape that fills the file, the most likely one first");
         let mut accepts = false;
         // The rest of the dialog has room in a small window too.
-        let room = ui.ctx().content_rect().height() - 360.0;
-        let height = room.clamp(CELL_POINTS.y, 2.6 * (CELL_POINTS.y + 30.0));
+        let height = (ui.ctx().content_rect().height() - 360.0).clamp(CELL_POINTS.y, 2.6 * (CELL_POINTS.y + 30.0));
         ScrollArea::vertical().max_height(height).show(ui, |ui| {
             egui::Grid::new("shapes").num_columns(COLUMNS).spacing([12.0, 8.0]).show(ui, |ui| {
                 for (place, (shape, made)) in shapes.iter_mut().enumerate() {

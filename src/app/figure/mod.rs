@@ -248,8 +248,7 @@ pub fn figure_ui(ctx: &Context, is_open: &mut bool, (model, widgets): (Read<'_>,
     let room = ctx.content_rect().size() - vec2(CHOICES + 90.0, 200.0);
     let room = room.clamp(Vec2::splat(120.0), Vec2::splat(400.0));
     let (mut choice, mut asked) = (model.document.figure, None);
-    let width = CHOICES + room.x + 12.0;
-    modal_ui(ctx, is_open, ("figure", width, "Figure of what is shown"), |ui| {
+    modal_ui(ctx, is_open, ("figure", CHOICES + room.x + 12.0, "Figure of what is shown"), |ui| {
         ui.weak("Features, filter, colours and part of the picture as in the panes");
         ui.add_space(6.0);
         ui.horizontal_top(|ui| {
@@ -266,8 +265,7 @@ pub fn figure_ui(ctx: &Context, is_open: &mut bool, (model, widgets): (Read<'_>,
                 });
             });
             let figure = figure_of(model, widgets, &choice);
-            let column = Layout::top_down(Align::Center);
-            ui.allocate_ui_with_layout(room, column, |ui| preview_ui(ui, model, &figure));
+            ui.allocate_ui_with_layout(room, Layout::top_down(Align::Center), |ui| preview_ui(ui, model, &figure));
             asked = figure.ok();
         });
     });

@@ -135,10 +135,9 @@ impl HistogramPanel {
         {
             // The place of the press, not that where the drag was recognised, decides what is grabbed.
             let press = pointer - response.total_drag_delta().unwrap_or_default();
-            let grip = grip_at(press, geometry, display);
             // A press outside the range moves its nearer end.
-            let end = if press.x < geometry.x_of(display.min) { Grip::Min } else { Grip::Max };
-            let grip = grip.unwrap_or(end);
+            let nearer = if press.x < geometry.x_of(display.min) { Grip::Min } else { Grip::Max };
+            let grip = grip_at(press, geometry, display).unwrap_or(nearer);
             self.drag = Some(Drag { grip, start: *display, start_value: geometry.value_at(press.x) });
         }
         if !response.dragged() {
@@ -185,8 +184,7 @@ pub fn ends_ui(ui: &mut Ui, display: &mut Display) -> bool {
             if value_ui(ui, "Max", &mut max, speed) {
                 *display = display.with_range(min.min(max), max);
             }
-            let button = ui.button("0 – 1").on_hover_text("The full scale of the file: from black to saturated.");
-            if button.clicked() {
+            if ui.button("0 – 1").on_hover_text("The full scale of the file: from black to saturated.").clicked() {
                 *display = display.with_range(0.0, 1.0);
                 full_scale = true;
             }
@@ -231,8 +229,7 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
             .logarithmic(true)
             .max_decimals(2)
             .clamping(egui::SliderClamping::Never);
-        let slider = ui.add(slider).labelled_by(label.id);
-        hint(slider, "Raising it brightens the dark values. 1 is linear.");
+        hint(ui.add(slider).labelled_by(label.id), "Raising it brightens the dark values. 1 is linear.");
         display.gamma = display.gamma.clamp(*GAMMA_RANGE.start(), *GAMMA_RANGE.end());
         ui.end_row();
     });
@@ -393,10 +390,9 @@ fn dragged(drag: Drag, value: f32, axis: Rangef) -> Display {
 fn grip_at(pointer: Pos2, geometry: &PlotGeometry, display: &Display) -> Option<Grip> {
     let (low, high) = (geometry.x_of(display.min), geometry.x_of(display.max));
     let (to_low, to_high) = ((pointer.x - low).abs(), (pointer.x - high).abs());
-    // In a narrow range the middle third still grabs the whole range.
-    let reach = GRAB_POINTS.min(0.34 * (high - low).max(3.0));
     let outside = pointer.x < low || pointer.x > high;
-    let reach = if outside { GRAB_POINTS } else { reach };
+    // In a narrow range the middle third still grabs the whole range.
+    let reach = if outside { GRAB_POINTS } else { GRAB_POINTS.min(0.34 * (high - low).max(3.0)) };
     if to_low.min(to_high) <= reach {
         Some(if to_low < to_high { Grip::Min } else { Grip::Max })
     } else {

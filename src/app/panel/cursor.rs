@@ -208,8 +208,7 @@ pub fn strip_ui(ui: &mut Ui, model: Read<'_>, second: bool, queue: &mut Queue) {
     let range = dragged.map_or_else(|| slider_range(&grid, second), |drag| drag.range);
     let x_of = |slope: f32| egui::remap(slope, range, rect.x_range());
     bars_ui(ui, model, second, rect, &x_of);
-    let ends = [(axis.min, "Range start"), (axis.max, "Range end")];
-    for (index, (value, name)) in ends.into_iter().enumerate() {
+    for (index, (value, name)) in [(axis.min, "Range start"), (axis.max, "Range end")].into_iter().enumerate() {
         let x = x_of(value).clamp(rect.left() - 2.0, rect.right() + 2.0);
         let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(2.0 * REACH, rect.height()));
         let response = ui.interact(grip, ends_id.with(index), Sense::drag());
@@ -278,9 +277,7 @@ fn bars_ui(ui: &Ui, model: Read<'_>, second: bool, rect: Rect, x_of: &dyn Fn(f32
         let x = x_of(component(bar.slope));
         let features = (half, bar.features as f32 / most, feature_colour(ui, bar));
         let evidence = ((0.4 * half).max(0.8), bar.evidence / part, crate::app::style::good(ui));
-        for (half, share, colour) in
-            [Some(features), Some(evidence).filter(|_| bar.evidence > 0.0)].into_iter().flatten()
-        {
+        for (half, share, colour) in std::iter::once(features).chain((bar.evidence > 0.0).then_some(evidence)) {
             let heights = rect.bottom() - share * height..=rect.bottom();
             painter.rect_filled(Rect::from_x_y_ranges(x - half..=x + half, heights), 0.0, colour);
         }

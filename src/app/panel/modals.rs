@@ -259,8 +259,7 @@ fn notices_ui(ui: &mut Ui) {
 
 /// Draws the box about the program, in which the memory for pictures can be set.
 pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings: &mut Settings) {
-    let heading = format!("Burstscope {}", env!("CARGO_PKG_VERSION"));
-    modal_ui(ctx, open, ("about", 420.0, &heading), |ui| {
+    modal_ui(ctx, open, ("about", 420.0, concat!("Burstscope ", env!("CARGO_PKG_VERSION"))), |ui| {
         ui.label(env!("CARGO_PKG_DESCRIPTION"));
         ui.add_space(6.0);
         ui.label("The method is that of A. Ravendran, M. Bryson and D. G. Dansereau, “BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction”.");
@@ -313,8 +312,8 @@ pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<
 
 fn row_ui(ui: &mut Ui, burst: &BurstSource) -> egui::Response {
     // Stacks of one name in several folders are distinguished by their folders.
-    let paths = if let BurstSource::Paths(paths) = burst { &paths[..] } else { &[] };
-    let folder = paths.first().and_then(|path| path.parent()?.file_name()).unwrap_or_default().to_string_lossy();
+    let folder =
+        burst.paths().first().and_then(|path| path.parent()?.file_name()).unwrap_or_default().to_string_lossy();
     let button = egui::Button::new(burst.label())
         .min_size(vec2(ui.available_width(), 24.0))
         .right_text(RichText::new(format!("in {folder}")).weak());

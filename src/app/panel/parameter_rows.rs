@@ -107,8 +107,7 @@ pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
         let label = ui.add(egui::Label::new(text).truncate());
         let label = explained(label, &help, glossary().of_parameter(doc.name));
         if !doc.unit.is_empty() {
-            let unit = RichText::new(doc.unit).small().weak();
-            ui.add(egui::Label::new(unit).truncate()).on_hover_text(&help);
+            ui.add(egui::Label::new(RichText::new(doc.unit).small().weak()).truncate()).on_hover_text(&help);
         }
         label
     })
@@ -155,11 +154,11 @@ fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_coun
     if let Some(range) = frames {
         let size = vec2(34.0, ui.spacing().interact_size.y);
         let number = |value| DragValue::new(value).speed(0.05);
-        let start = ui.add_sized(size, number(&mut range.start)).labelled_by(label);
-        start.on_hover_text("First frame used, counted from 0");
+        ui.add_sized(size, number(&mut range.start))
+            .labelled_by(label)
+            .on_hover_text("First frame used, counted from 0");
         ui.weak("..");
-        let end = ui.add_sized(size, number(&mut range.end)).labelled_by(label);
-        end.on_hover_text("One past the last frame used");
+        ui.add_sized(size, number(&mut range.end)).labelled_by(label).on_hover_text("One past the last frame used");
     }
 }
 

@@ -134,8 +134,7 @@ pub fn fold_ui(ui: &mut Ui, model: Read<'_>, is_needed: bool, changed: usize, qu
         egui::collapsing_header::paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
         let title = ui.selectable_label(false, "Advanced").on_hover_text("All other parameters");
         if changed > 0 {
-            let text = format!("{changed} not the default");
-            ui.label(RichText::new(text).small().color(style::warning(ui)))
+            ui.label(RichText::new(format!("{changed} not the default")).small().color(style::warning(ui)))
                 .on_hover_text("Open to see which; ↺ resets one");
         }
         title.clicked() || icon.clicked()

@@ -118,8 +118,7 @@ impl PictureState {
         let by = model.document.colour_by;
         let of = || overlay::ColourScale::of(by, &detection.features, &detection.slopes);
         let scale = self.scale.get((detection.into(), by), of).clone();
-        let coherences = model.results.coherence.of(detection);
-        scale.with_coherences(coherences).with_set_up(model.document.set_up.depths_by())
+        scale.with_coherences(model.results.coherence.of(detection)).with_set_up(model.document.set_up.depths_by())
     }
 }
 
@@ -129,8 +128,7 @@ pub(in crate::app) fn canvas_picture(picture: &PictureAnswer) -> canvas::Picture
         (preview.octave, [preview.region.columns.start, preview.region.rows.start])
     });
     let on_canvas = canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label);
-    let first = first.map(|at| at as f32).into();
-    canvas::Picture { drawn: picture.drawn.clone(), first, ..on_canvas }
+    canvas::Picture { drawn: picture.drawn.clone(), first: first.map(|at| at as f32).into(), ..on_canvas }
 }
 
 pub fn describe(picture: &PictureAnswer) -> String {
@@ -148,11 +146,8 @@ fn describe_request(request: &PictureRequest) -> String {
             let name = burst.frame_names.get(index).map_or("", String::as_str);
             let place = format!("Frame {index} of {} (0 … {})", burst.len(), burst.len() - 1);
             // Bursts without files name their frames by number, which the text already has.
-            return if name.is_empty() || *name == format!("frame {index}") {
-                place
-            } else {
-                format!("{place}  ·  {name}")
-            };
+            let is_told = name.is_empty() || *name == format!("frame {index}");
+            return if is_told { place } else { format!("{place}  ·  {name}") };
         }
         PictureKind::Merge => {
             let used = request.params.used_frames(burst.len());

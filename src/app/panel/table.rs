@@ -112,12 +112,8 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
         let cells = texts(&headings, |column, index| text(columns[column], index));
         let clicked = rows_ui(ui, &headings, Some((sorted_by, order.descending)), listed, cells, name, |row, index| {
             row.context_menu(|ui| menu(ui, index));
-            if row.hovered() {
-                pointed.hovered = Some(index);
-            }
-            if row.clicked() {
-                pointed.selected = Some(index);
-            }
+            pointed.hovered = row.hovered().then_some(index).or(pointed.hovered);
+            pointed.selected = row.clicked().then_some(index).or(pointed.selected);
         });
         if let Some(column) = clicked {
             pointed.order = order.clicked(columns[column]);
@@ -180,9 +176,7 @@ pub(in crate::app) fn rows_ui(
                 if !heading.help.is_empty() {
                     cell = explained(cell, heading.help, heading.term.and_then(word));
                 }
-                if sorted.is_some() && cell.clicked() {
-                    clicked = Some(column);
-                }
+                clicked = (sorted.is_some() && cell.clicked()).then_some(column).or(clicked);
             }
         })
         .body(|body| {
@@ -195,9 +189,7 @@ pub(in crate::app) fn rows_ui(
                 }
                 let response = row.response();
                 named(&response, egui::Role::Row, name(item));
-                if response.clicked() {
-                    now_selected = Some(item);
-                }
+                now_selected = response.clicked().then_some(item).or(now_selected);
                 on_row(&response, item);
             });
         });
@@ -328,11 +320,8 @@ fn layer_ui(ui: &mut Ui, filter: &mut Filter, number: i32, name: &str) {
         let tip = "Show or hide what moves with this layer: features, and places in the field of motion";
         let switch = ui.add_enabled(filter.solo_layer.is_none(), egui::Checkbox::new(&mut is_on, name));
         if switch.on_hover_text(tip).on_disabled_hover_text("One layer is shown alone: see solo").changed() {
-            if is_on {
-                filter.hidden_layers.remove(&number);
-            } else {
-                filter.hidden_layers.insert(number);
-            }
+            let hidden = &mut filter.hidden_layers;
+            _ = if is_on { hidden.remove(&number) } else { hidden.insert(number) };
         }
     });
 }

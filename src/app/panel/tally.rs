@@ -165,8 +165,7 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
     let Some(test) = model.document.shown_test else {
         return queue.point(&model.results.explained.pointed, None, Pointed::Candidate);
     };
-    let is_of_a = model.document.panes.is_on(id, Side::A);
-    let Some(found) = model.found_of(Side::A).filter(|_| is_of_a) else { return };
+    let Some(found) = model.found_of(Side::A).filter(|_| model.document.panes.is_on(id, Side::A)) else { return };
     let dt = model.frames_from_middle(id, &found.detection).unwrap_or_default();
     let slopes = found.detection.slopes;
     let Some(survey) = model.survey() else {
@@ -185,8 +184,7 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
     let more = if survey.marks.len() > drawn { format!(" (the {drawn} strongest)") } else { String::new() };
     let min_snr = crate::inspect::place::SurveyOptions::default().min_snr;
     note_ui(ui, output, &format!("{all}{more}: {}; SNR ≥ {min_snr}", test.reason()));
-    let clip = output.painter.clip_rect();
-    let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos)) else { return };
+    let Some(pointer) = output.pointer_ui.filter(|pos| output.painter.clip_rect().contains(*pos)) else { return };
     let pointed = circle_at(output, &circles, pointer).map(|place| shown[place]);
     // The pointer meets the topmost marks, not the features below them.
     queue.point(&model.results.explained.pointed, pointed, Pointed::Candidate);

@@ -54,14 +54,13 @@ pub fn instead_ui(ui: &mut Ui, text: impl Into<String>) {
 pub fn progress_ui(ui: &mut Ui, running: &Running, width: Option<f32>, text: &str) {
     let fraction = running.progress.map_or(0.0, |p| p.fraction);
     let width = width.unwrap_or_else(|| ui.available_size_before_wrap().x.max(96.0));
-    let response = ui.add(ProgressBar::new(fraction).desired_width(width).text(fitting(ui, text, width)));
-    response.on_hover_text(text);
+    let bar = ProgressBar::new(fraction).desired_width(width).text(fitting(ui, text, width));
+    ui.add(bar).on_hover_text(text);
 }
 
 /// The parts of `text`, which two spaces separate, that a bar of `width` points holds, the first ones first.
-fn fitting(ui: &Ui, text: &str, width: f32) -> String {
+fn fitting(ui: &Ui, mut text: &str, width: f32) -> String {
     let room = width - 2.0 * ui.spacing().item_spacing.x;
-    let mut text = text;
     while let Some((shorter, _)) = text.rsplit_once("  ").filter(|_| text_width(ui, text) > room) {
         text = shorter.trim_end();
     }
@@ -306,15 +305,7 @@ pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color
 
 /// Width of a text in one line, points.
 pub fn text_width(ui: &Ui, text: impl Into<WidgetText>) -> f32 {
-    let wrap = Some(egui::TextWrapMode::Extend);
-    text.into().into_galley(ui, wrap, f32::INFINITY, egui::TextStyle::Body).size().x
-}
-
-/// Continues a wrapping row on its next line if `width` points do not fit into this one, which would cut the item.
-pub fn make_room(ui: &mut Ui, width: f32) {
-    if ui.available_size_before_wrap().x < width {
-        ui.end_row();
-    }
+    text.into().into_galley(ui, Some(egui::TextWrapMode::Extend), f32::INFINITY, egui::TextStyle::Body).size().x
 }
 
 pub fn label_ui(ui: &mut Ui, text: impl Into<WidgetText>, width: f32) -> Response {

@@ -86,8 +86,7 @@ fn pairs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let Some(dataset) = &model.results.datasets.open else { return };
         let (count, done) = (dataset.bursts.len(), dataset.counts().done);
         if done < count {
-            let missing = count - done;
-            let text = format!("{missing} of {count} bursts have no features yet; pairs with them are left out");
+            let text = format!("{} of {count} bursts have no features yet; pairs with them are left out", count - done);
             warning_ui(ui, RichText::new(text).small());
         }
         if !dataset.matches.counts.is_empty() && dataset.matches.params != model.document.matching {
@@ -104,8 +103,7 @@ fn next_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let Some((folder, knows_cameras)) = &model.results.datasets.exported else { return };
         let [make, map, python] = next_commands(folder, *knows_cameras);
         ui.add_space(4.0);
-        let lines = [("COLMAP", format!("{make} && {map}")), ("pycolmap", python)];
-        for (name, line) in lines {
+        for (name, line) in [("COLMAP", format!("{make} && {map}")), ("pycolmap", python)] {
             if ui.button(format!("Copy the line for {name}")).on_hover_text(&line).clicked() {
                 ui.copy_text(line);
             }

@@ -92,9 +92,8 @@ fn same_false_rate_ui(ui: &mut Ui, model: Read<'_>, rate: SameFalseRate, queue: 
         "Peak thresholds at which {share} of the detections on charts of SNR {snr} is false, as the paper compares methods:\n{lines}"
     );
     tip += "Methods compares at these; the search takes that of its own method. They hold for bursts as dark as the charts.";
-    let text = format!("Search at {share} false");
     ui.horizontal(|ui| {
-        if ui.button(text).on_hover_text(tip).clicked() {
+        if ui.button(format!("Search at {share} false")).on_hover_text(tip).clicked() {
             if let Some(threshold) = own {
                 queue.push(Action::Change(vec![ParamChange::new(doc::PEAK_THRESHOLD, threshold)]));
             }

@@ -83,8 +83,7 @@ const COLUMNS: [(f32, Align2); 5] = {
 
 fn heading_ui(ui: &mut Ui) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    let names = ["away", "σ px", "slope", "SNR", "fails first at"];
-    for (name, (x, align)) in names.into_iter().zip(COLUMNS) {
+    for (name, (x, align)) in ["away", "σ px", "slope", "SNR", "fails first at"].into_iter().zip(COLUMNS) {
         small_text(ui, ui.painter(), egui::pos2(rect.left() + x * rect.width(), rect.center().y), align, name);
     }
     response.on_hover_text(

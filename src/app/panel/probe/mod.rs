@@ -183,9 +183,8 @@ fn go_to_ui(ui: &mut Ui, model: Read<'_>, feature: Option<usize>, place: ([f32; 
 
 fn apply_ui(ui: &mut Ui, model: Read<'_>, change: &ParamChange, queue: &mut Queue) {
     let (side, label) = (model.document.probe.side, change.label());
-    let button = ui.add_enabled(model.takes_advice(side), egui::Button::new("Apply"));
     let tip = format!("Set {label} and detect again; Undo reverts it\n{}", change.option());
-    let response = button.on_hover_text(tip);
+    let response = ui.add_enabled(model.takes_advice(side), egui::Button::new("Apply")).on_hover_text(tip);
     named(&response, egui::Role::Button, format!("Apply {label}"));
     if response.clicked() {
         queue.push(Action::ApplyChanges(side, vec![change.clone()]));

@@ -79,8 +79,7 @@ fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &Arc<Spectrum>, queue:
         set_up_ui(ui, model, queue);
         let cost = &spectrum.cost;
         let text = format!("Cost: {}, {} samples", counted(cost.slopes, "slope"), grouped(cost.samples));
-        let tip = format!("Search time: {} s", number(cost.search_secs, 2));
-        weak_ui(ui, text).on_hover_text(tip);
+        weak_ui(ui, text).on_hover_text(format!("Search time: {} s", number(cost.search_secs, 2)));
     });
 }
 

@@ -74,8 +74,7 @@ fn all_rows_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let table = ParamTable { error, defaults: MatchParams::default(), frame_count: 0, note: None };
     let is_advanced = |record: &&Param<MatchParams>| ADVANCED.contains(record);
     let is_needed = |record: &&Param<MatchParams>| {
-        let has_error = error.is_some_and(|error| error.subject == record.name);
-        has_error
+        error.is_some_and(|error| error.subject == record.name)
             || parts::is_wanted(ui.ctx(), Part::parameter(record))
             || (**record == doc::CAMERA && p.camera.is_some())
     };
