@@ -9,7 +9,6 @@ use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::detector::params::{Param, doc};
 use egui::{Key, KeyboardShortcut, Modifiers, RichText};
-use std::path::PathBuf;
 
 pub fn menu_bar_ui(ui: &mut egui::Ui, model: Read<'_>, remembered: &Settings, queue: &mut Queue) {
     let mut item = |ui: &mut egui::Ui, action: &ActionRow| {
@@ -74,7 +73,7 @@ fn recent_ui(ui: &mut egui::Ui, remembered: &Settings, queue: &mut Queue) {
     let Settings { recent, datasets, .. } = remembered;
     ui.add_enabled_ui(!(recent.is_empty() && datasets.is_empty()), |ui| {
         ui.menu_button("Open recent", |ui| {
-            let mut item = |ui: &mut egui::Ui, label: String, paths: &[PathBuf], open: Action| {
+            let mut item = |ui: &mut egui::Ui, label: String, paths: &[std::path::PathBuf], open: Action| {
                 let lines: Vec<String> = paths.iter().take(8).map(|p| p.display().to_string()).collect();
                 if ui.button(label).on_hover_text(lines.join("\n")).clicked() {
                     queue.push(open);
@@ -368,12 +367,10 @@ fn key_ui(ui: &mut egui::Ui, keys: &str) {
 mod tests {
     use super::*;
     use crate::app::apply::{bench, opening};
-    use crate::app::results::Model;
-    use crate::detector::ParamChange;
 
     #[test]
     fn words_find_actions_and_parameters_and_nothing_else() {
-        let mut model = Model::default();
+        let mut model = crate::app::results::Model::default();
         let read = Read::of(&model);
         let first = |text: &str| found_by(text, read).first().cloned();
         use ActionId as A;
@@ -388,7 +385,7 @@ mod tests {
         let mut queue = Queue::default();
         set_or_show(doc::FIRST_OCTAVE, Some("-1"), read, &mut queue);
         let Some(Action::Change(changes)) = queue.0.into_iter().next() else { panic!("it is set") };
-        assert_eq!(changes, [ParamChange::new(doc::FIRST_OCTAVE, -1)]);
+        assert_eq!(changes, [crate::detector::ParamChange::new(doc::FIRST_OCTAVE, -1)]);
         let wrong = Entry::Parameter(doc::FIRST_OCTAVE, Some("99".to_owned()));
         assert!(found_by("first octave 99", read).contains(&wrong) && !is_possible(&wrong, read));
         // What is not possible now is there, after what is, with the reason.

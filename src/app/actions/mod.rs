@@ -8,7 +8,6 @@ pub use crate::app::document::Queue;
 pub use registry::{ACTIONS, ActionId, ActionRow, Menu, checked, enabled, shown_by, workspaces};
 
 use crate::app::results::Read;
-use crate::app::words::explained;
 use egui::Response;
 
 /// Text of a shortcut: `Ctrl+O`, `[`, `?`.
@@ -36,7 +35,7 @@ pub fn button_ui(ui: &mut egui::Ui, model: Read<'_>, queue: &mut Queue, id: Acti
     let button = egui::Button::selectable(on, label.unwrap_or(action.label)).frame_when_inactive(true);
     let response = ui.add_enabled(enabled(id, model), button);
     let tip = tooltip(ui.ctx(), action);
-    let response = explained(response, &tip, id.word()).on_disabled_hover_text(&tip);
+    let response = crate::app::words::explained(response, &tip, id.word()).on_disabled_hover_text(&tip);
     queue.push_if(response.clicked(), id);
     response
 }

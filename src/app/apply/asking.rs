@@ -267,7 +267,6 @@ mod tests {
     use super::*;
     use crate::app::apply::bench::Bench;
     use crate::app::apply::opening;
-    use crate::app::results::Stale;
     use crate::detector::{NoiseGate, SlopeGrid};
     use crate::requests::BurstSource;
     use crate::synth::Example;
@@ -318,7 +317,7 @@ mod tests {
         bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 13, -3.0..=3.0, 13).into();
         bench.run_until(|model, _| model.results.slots.a.found.is_some());
         let found = bench.model.results.slots.a.found.clone().expect("found");
-        assert_eq!(bench.read().stale(), Some(Stale::FirstSlope));
+        assert_eq!(bench.read().stale(), Some(crate::app::results::Stale::FirstSlope));
         assert!(bench.model.results.slots.a.detecting.is_pending());
         assert!(!bench.read().features_are_current(Side::A));
         assert_eq!(found.detection.slopes, SlopeGrid::single(bench.model.document.cursor().slope), "it is on show");

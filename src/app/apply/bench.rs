@@ -12,7 +12,6 @@ use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::requests::{BurstSource, Detected, OpenBurst, PictureAnswer, PictureKind, PictureRequest, Request, Work};
 use crate::synth::ChartParams;
-use crate::teach::Workspace;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -62,7 +61,7 @@ impl Bench {
         let mut bench = Self::new();
         opening::take_burst(&mut bench.model, chart(120, 1));
         pair::take_second_burst(&mut bench.model, chart(96, 2));
-        bench.model.document.open_workspace(Workspace::Pair);
+        bench.model.document.open_workspace(crate::teach::Workspace::Pair);
         bench.settle();
         bench
     }

@@ -6,7 +6,6 @@ use crate::app::canvas::overlay::ColourBy;
 use crate::app::document::filter::neighbour;
 use crate::app::document::method::plane_of;
 use crate::app::document::{Destination, Document, Reference, Side, Visibility};
-use crate::app::pane::Pane;
 use crate::app::results::{Model, Read};
 use crate::detector::{Feature, Method};
 use crate::engine::Engine;
@@ -94,7 +93,7 @@ pub fn go_to_busiest_slope(model: &mut Model, _: &Engine) {
     model.document.playing = false;
     let note = detection::go_to_busiest_slope(model, focus);
     note.into_iter().for_each(|note| model.shell.messages.note(note));
-    model.document.lead(focus, Pane::show_slope);
+    model.document.lead(focus, crate::app::pane::Pane::show_slope);
 }
 
 pub fn colour_next(document: &mut Document) {

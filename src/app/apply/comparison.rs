@@ -4,7 +4,6 @@ use crate::app::document::{Compared, FeaturesShown, PairTab, Reference, Side};
 use crate::app::results::{ComparisonResults, Model, Read};
 use crate::engine::Ended;
 use crate::requests::ComparisonRequest;
-use std::path::PathBuf;
 
 pub(super) fn compare_with(model: &mut Model, side: Side, with: Option<Reference>) {
     let (set, results) = (&mut model.document.comparisons[side], &mut model.results.slots[side].comparison);
@@ -33,7 +32,7 @@ pub fn pin_result(model: &mut Model, side: Side) {
     }
 }
 
-pub fn lay_over(model: &mut Model, side: Side, path: PathBuf) {
+pub fn lay_over(model: &mut Model, side: Side, path: std::path::PathBuf) {
     if model.results.slots[side].burst.is_some() {
         model.results.slots[side].comparison.file = None;
         model.document.comparisons[side].file = Some(path);
@@ -100,13 +99,10 @@ pub fn show_comparison(model: &mut Model, side: Side, with: Option<Reference>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::apply::bench::Bench;
-    use crate::app::apply::pair;
-    use std::sync::Arc;
 
     #[test]
     fn either_burst_is_compared_with_its_own_truth_and_takes_the_comparison_along() {
-        let mut bench = Bench::with_two_charts();
+        let mut bench = crate::app::apply::bench::Bench::with_two_charts();
         show_comparison(&mut bench.model, Side::B, Some(Reference::Truth));
         assert!(bench.model.document.match_look.features, "the comparison is seen");
         bench.run_until(|model, _| model.shown_comparison(Side::B).is_some());
@@ -117,14 +113,14 @@ mod tests {
         let [of_a, of_b] = shown(bench.read());
         for (side, shown) in [(Side::A, &of_a), (Side::B, &of_b)] {
             let slot = &bench.model.results.slots[side];
-            assert!(Arc::ptr_eq(&shown.detection, &slot.found.as_ref().expect("found").detection));
+            assert!(std::sync::Arc::ptr_eq(&shown.detection, &slot.found.as_ref().expect("found").detection));
             // All discs of the side's own chart are found or missed.
             let discs = shown.count(Compared::Same) + shown.count(Compared::Theirs);
             let truth = slot.burst.as_ref().expect("open").truth(&crate::Monitor::default()).expect("valid");
             assert_eq!(discs, truth.expect("a chart").features.len());
             assert!(shown.count(Compared::Same) > 0, "{}", shown.summary);
         }
-        pair::swap_sides(&mut bench.model);
+        crate::app::apply::pair::swap_sides(&mut bench.model);
         bench.settle();
         let [a, b] = shown(bench.read());
         assert_eq!((&b.summary, &a.summary), (&of_a.summary, &of_b.summary));

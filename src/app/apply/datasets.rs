@@ -4,11 +4,9 @@
 use crate::app::apply::opening;
 use crate::app::document::{DatasetChoice, SavedSelection, Side, Sides};
 use crate::app::results::{Dataset, Effect, Model, Read, Work};
-use crate::dataset::DatasetSource;
 #[cfg(feature = "colmap")]
 use crate::dataset::{BurstCameras, CameraChoice, ColmapJob, FeatureJob, ImageKind};
 use crate::engine::{Ended, Engine};
-use crate::error::Error;
 use crate::inspect::words::counted;
 use crate::matching::PairSelection;
 use crate::requests::{BurstSource, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, OpenDataset};
@@ -35,7 +33,7 @@ pub(in crate::app) fn close_dataset(model: &mut Model) -> Effect {
 
 pub(in crate::app) fn cut_open_burst(model: &mut Model, length: usize, engine: &Engine) {
     if let Some(Effect::Cut(paths, _)) = Read::of(model).cut_of_open_burst() {
-        let source = DatasetSource { paths, burst_length: Some(length), burst_step: None };
+        let source = crate::dataset::DatasetSource { paths, burst_length: Some(length), burst_step: None };
         opening::look_at_dataset(model, source, None, model.document.calibration.clone(), engine);
     }
 }
@@ -216,7 +214,7 @@ fn take_dataset(model: &mut Model, open: OpenDataset, engine: &Engine) -> Vec<Ef
     }
     if let [first, rest @ ..] = &open.strays[..] {
         let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
-        model.shell.messages.error("Open dataset", format!("{}{more}", Error::stray(first)));
+        model.shell.messages.error("Open dataset", format!("{}{more}", crate::error::Error::stray(first)));
     }
     let dataset = Dataset::new(open);
     let (name, bursts) = (dataset.source.label(), counted(dataset.bursts.len(), "burst"));

@@ -6,7 +6,6 @@ use crate::app::document::filter::at_slope;
 use crate::app::pane::PaneId;
 use crate::app::results::explained::SHORT_SECS;
 use crate::app::results::{FoundFeatures, Model, Read};
-use crate::app::view::fixed;
 use crate::engine::{Ended, Engine};
 use crate::inspect::slopes::{features_at_slopes, slope_with_most_features};
 use crate::requests::{DetectRequest, Detected};
@@ -88,7 +87,7 @@ pub fn go_to_busiest_slope(model: &mut Model, id: PaneId) -> Option<String> {
     let slope = grid.slope(index);
     let [_, own] = at_slope(&found.detection, slope);
     model.document.lead(id, |pane| pane.cursor.slope = slope);
-    let [u, v] = [slope.u, slope.v].map(|part| fixed(part, 2));
+    let [u, v] = [slope.u, slope.v].map(|part| crate::app::view::fixed(part, 2));
     let by_own = if own == count { String::new() } else { format!(", {own} by their own slope") };
     Some(format!("Most features ({count}) are at slope ({u}, {v}) px/frame{by_own}"))
 }

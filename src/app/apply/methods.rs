@@ -75,7 +75,6 @@ pub fn lay_out_methods(model: &mut Model, preset: MethodsPreset) {
 mod tests {
     use super::*;
     use crate::app::apply::bench::open;
-    use crate::app::apply::opening;
     use crate::app::apply::pair::tests::pair;
     use crate::app::document::CompareLook;
     use crate::app::results::Matches;
@@ -133,7 +132,7 @@ mod tests {
         model.document.params.slopes = crate::detector::SlopeGrid::line(-3.0..=3.0, 9).into();
         let again = do_all(&mut model);
         assert!(again.iter().any(|(method, _)| *method == MethodId::Buff2d), "{again:?}");
-        opening::take_burst(&mut model, open((64, 48), 5));
+        crate::app::apply::opening::take_burst(&mut model, open((64, 48), 5));
         assert!(Read::of(&model).method_found(MethodId::Sift, Side::A).is_none());
     }
 

@@ -24,9 +24,7 @@ use crate::app::actions::registry::{ActionId, Does};
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, Pointed, Side};
 use crate::app::results::{Effect, Model, Read};
-use crate::burst::OpenOptions;
 use crate::engine::Engine;
-use crate::teach::BottomTab;
 
 /// Applies an action. It is a step to undo, or a part of one, where it changes settings that undo covers.
 pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
@@ -55,7 +53,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::OpenDataset(source) => {
             let mut options = model.document.calibration.clone();
             if Read::of(model).settings_are_of(Side::A).is_some() {
-                options = options.with_burst_of(&OpenOptions::default());
+                options = options.with_burst_of(&crate::burst::OpenOptions::default());
             }
             opening::look_at_dataset(model, source, None, options, engine);
         }
@@ -63,7 +61,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::OpenGold(side, source) => methods::open_gold(model, side, source, engine),
         A::OpenFeatures(side, path) => {
             comparison::lay_over(model, side, path);
-            model.document.bottom_tab = BottomTab::Compared;
+            model.document.bottom_tab = crate::teach::BottomTab::Compared;
         }
         A::OpenTrajectory(which, path) => studies::open_trajectory(model, which, Some(path), engine),
         A::CloseTrajectory(which) => studies::open_trajectory(model, which, None, engine),

@@ -5,11 +5,8 @@ use crate::app::document::{Cursor, Filter, Side};
 use crate::app::results::{Effect, Model, Own, Read, Work};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
-use crate::detector::Slopes;
 use crate::engine::{Ended, Engine};
 use crate::requests::{BurstSource, DatasetRequest, JobError, JobId, OpenBurst, OpenRequest};
-use crate::teach::Workspace;
-use std::path::PathBuf;
 
 /// Takes a burst that was opened, or says why it was not. With `is_restoring` a session goes on with it.
 #[must_use]
@@ -25,7 +22,7 @@ pub(in crate::app) fn take_opening(
         Ok(burst) => {
             let recent = take_opened(model, side, burst, options, engine);
             if side == Side::B && !is_restoring {
-                model.document.open_workspace(Workspace::Pair);
+                model.document.open_workspace(crate::teach::Workspace::Pair);
             }
             return recent.into_iter().collect();
         }
@@ -158,7 +155,7 @@ pub(super) fn leave_behind(model: &mut Model, side: Side) {
         model.document.params.frames = None;
     }
     if own.slopes.is_some() && own.slopes == now.slopes {
-        model.document.params.slopes = Slopes::AUTO;
+        model.document.params.slopes = crate::detector::Slopes::AUTO;
     }
     if !own.filter.is_open() && own.filter == now.filter {
         model.document.filter = Filter::default();
@@ -213,7 +210,7 @@ pub(in crate::app) fn calibrate(model: &mut Model, options: OpenOptions, engine:
 pub(in crate::app) fn look_at_dataset(
     model: &mut Model,
     source: DatasetSource,
-    folder: Option<PathBuf>,
+    folder: Option<std::path::PathBuf>,
     open: OpenOptions,
     engine: &Engine,
 ) {

@@ -7,7 +7,6 @@ use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::pair::lost::{CANDIDATES, LostFeatures, Why};
 use crate::app::results::{Matches, Model, Read, Slot};
 use crate::engine::{Ended, Engine};
-use crate::inspect::pair::Losses;
 use crate::requests::{LossesRequest, MatchRequest, OpenBurst, are_stacked};
 use std::sync::Arc;
 
@@ -180,7 +179,7 @@ pub fn refresh_why(model: &mut Model) {
             if old.is_some_and(|why| why.feature == feature && why.of == found.request) {
                 return;
             }
-            let losses = Losses::again(found.request.pair(), found.nearest.clone());
+            let losses = crate::inspect::pair::Losses::again(found.request.pair(), found.nearest.clone());
             let unmatched = Arc::new(losses.of(feature, CANDIDATES));
             Some(Why { feature, of: found.request.clone(), unmatched })
         }
@@ -194,10 +193,8 @@ pub(in crate::app) mod tests {
     use super::*;
     use crate::app::apply::bench::{detected, feature, open};
     use crate::app::apply::{detection, opening};
-    use crate::app::document::SavedMatch;
     use crate::app::results::pair::*;
     use crate::detector::{Detection, FrameRange, Method};
-    use crate::monitor::Monitor;
     use crate::teach::Workspace;
     use std::time::Duration;
 
@@ -227,7 +224,7 @@ pub(in crate::app) mod tests {
 
     fn make_matches(model: &mut Model) {
         let request = Read::of(model).wanted_matches().expect("both sides have features");
-        let matched = request.matched(&Monitor::default()).expect("valid");
+        let matched = request.matched(&crate::monitor::Monitor::default()).expect("valid");
         take_made_matches(model, Matches::new(matched, Duration::ZERO));
     }
 
@@ -273,7 +270,7 @@ pub(in crate::app) mod tests {
         make_matches(&mut model);
         assert_eq!(model.document.selected_match, Some(2));
         assert_eq!(Read::of(&model).saved_match(), Some(place));
-        let moved = SavedMatch { a: [place.a[0] + 3.0, place.a[1]], ..place };
+        let moved = crate::app::document::SavedMatch { a: [place.a[0] + 3.0, place.a[1]], ..place };
         assert_eq!(model.results.pair.matches.as_ref().and_then(|m| m.find_again(&moved)), None);
     }
 

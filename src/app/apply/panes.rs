@@ -8,7 +8,6 @@ use crate::app::pane::{Content, PaneId, Preset};
 use crate::app::results::panes::Play;
 use crate::app::results::pictures::PatchResults;
 use crate::app::results::{Model, Read};
-use crate::app::view::View;
 use crate::detector::FrameRange;
 use crate::engine::Ended;
 use crate::requests::{PictureAnswer, PictureRequest, ViewKind};
@@ -147,7 +146,7 @@ pub(crate) fn start_panes(model: &mut Model, side: Side, begin: impl Fn(&Cursor)
     for (id, pane) in panes.iter_mut().filter(|(_, pane)| pane.side == side) {
         pane.cursor = if id == leader { after } else { pane.cursor.moved_as(&before, &after) };
         pane.slope_chosen = false;
-        pane.view = View::fit();
+        pane.view = crate::app::view::View::fit();
         pane.own_ranges.iter_mut().for_each(|own| own.forget());
     }
 }

@@ -4,7 +4,6 @@ use crate::app::apply::{change, datasets, explained, methods, opening, pair, pan
 use crate::app::document::{DatasetChoice, Document, History, Reselect, Side, Sides, Staged};
 use crate::app::pane::Preset;
 use crate::app::results::{ComparisonResults, Effect, Model, ProbeResults, Read, Results, UserProject};
-use crate::burst::OpenOptions;
 use crate::engine::Engine;
 use crate::requests::{BurstSource, OpenRequest};
 use std::mem::{replace, take};
@@ -82,7 +81,7 @@ fn open_for_step(model: &mut Model, bursts: Sides<Option<BurstSource>>, cameras:
             (Side::A, Some(burst)) => opening::take_burst(model, burst),
             (Side::B, Some(burst)) => pair::take_second_burst(model, burst),
             (side, None) => {
-                let options = OpenOptions::default();
+                let options = crate::burst::OpenOptions::default();
                 model.results.slots[side].open(OpenRequest { source, options }, None, engine);
             }
         }
@@ -169,7 +168,6 @@ mod tests {
     use super::*;
     use crate::app::apply::pair::tests::pair;
     use crate::matching::MatchParams;
-    use crate::teach::Workspace;
 
     fn pass(history: &mut History, now: &mut Document, goes_on: bool, change: impl FnOnce(&mut Document)) {
         let before = now.clone();
@@ -193,7 +191,7 @@ mod tests {
     #[test]
     fn steps_in_b_are_undone_in_b_also_after_the_sides_were_swapped() {
         let mut model = pair();
-        model.document.open_workspace(Workspace::Pair);
+        model.document.open_workspace(crate::teach::Workspace::Pair);
         let mut history = std::mem::take(&mut model.shell.history);
         let slopes = |model: Read<'_>| Side::BOTH.map(|side| model.document.panes.of(side).cursor.slope.u);
         model.document.focus_on_side(Side::B);

@@ -71,7 +71,6 @@ impl FileDialogs for SystemDialogs {
 pub mod free_desktop {
     use std::ffi::OsStr;
     use std::os::unix::fs::PermissionsExt;
-    use std::path::Path;
     use std::time::Duration;
 
     /// Time in which a portal answers: the bus itself waits as long for a service that it starts.
@@ -92,7 +91,7 @@ pub mod free_desktop {
         Ok(())
     }
 
-    fn is_program(path: &Path) -> bool {
+    fn is_program(path: &std::path::Path) -> bool {
         path.metadata().is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
     }
 }

@@ -15,7 +15,6 @@ use egui::{
     Align, Button, Color32, Context, Frame, Id, Key, LayerId, Layout, Margin, Modifiers, Order, RichText, ScrollArea,
     Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
-use std::sync::Arc;
 
 /// Size of the lesson's letters in a hall, in parts of the usual one.
 const LETTERS_IN_HALL: f32 = 1.5;
@@ -192,7 +191,7 @@ pub fn highlights_ui(ctx: &Context) {
     }
 }
 
-pub type Chosen = Option<Arc<Lesson>>;
+pub type Chosen = Option<std::sync::Arc<Lesson>>;
 
 pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) -> Chosen {
     let (mut chosen, mut is_open) = (None, lessons.list_is_open);

@@ -1,7 +1,6 @@
 //! Signal-to-noise ratio of a spot, measured in the shown picture, while frames are added one by one.
 
 use crate::app::document::{Action, Queue};
-use crate::app::pane::Content;
 use crate::app::panel::cursor_row::CursorRow;
 use crate::app::panel::widgets::still_plot;
 use crate::app::parts;
@@ -105,7 +104,7 @@ pub(super) fn snr_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, spot: S
 fn frames_shown(model: Read<'_>) -> usize {
     let pane = model.document.focused();
     match pane.content {
-        Content::Cursor if pane.cursor.kind == ViewKind::Frame => 1,
+        crate::app::pane::Content::Cursor if pane.cursor.kind == ViewKind::Frame => 1,
         _ => model.document.params.used_frames(model.frame_count()).len(),
     }
 }

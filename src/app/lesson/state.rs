@@ -8,7 +8,6 @@ use crate::requests::BurstSource;
 use crate::teach::{Lesson, Part, Step, built_in, lessons_at};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 use std::sync::Arc;
 
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -166,7 +165,7 @@ impl Lessons {
     ///
     /// # Errors
     /// A line for each file that cannot be used, with its fault.
-    pub fn open_at(&mut self, path: &Path) -> Result<(), String> {
+    pub fn open_at(&mut self, path: &std::path::Path) -> Result<(), String> {
         let texts = |errors: Vec<_>| errors.iter().map(ToString::to_string).collect::<Vec<String>>().join("\n");
         self.add(lessons_at(path).map_err(texts)?);
         self.list_is_open = true;

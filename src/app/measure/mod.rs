@@ -334,16 +334,12 @@ pub fn hidden_ui(ui: &mut Ui, model: Read<'_>, rect: Rect, queue: &mut Queue) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::apply::bench::open;
-    use crate::app::apply::opening;
     use crate::app::pane::Direction;
-    use crate::app::results::Model;
-    use crate::teach::Workspace;
 
     #[test]
     fn a_line_stays_when_other_panes_take_the_place_of_its_own() {
-        let mut model = Model::default();
-        opening::take_burst(&mut model, open((64, 48), 5));
+        let mut model = crate::app::results::Model::default();
+        crate::app::apply::opening::take_burst(&mut model, crate::app::apply::bench::open((64, 48), 5));
         let first = model.document.focus();
         assert_eq!(measured_panes(Read::of(&model), first), [first]);
         let second = model.document.panes.split(first, Direction::Right).expect("there is space");
@@ -353,7 +349,7 @@ mod tests {
             (vec![second], second)
         );
         // In another workspace it is not drawn.
-        model.document.open_workspace(Workspace::Pair);
+        model.document.open_workspace(crate::teach::Workspace::Pair);
         assert_eq!(measured_panes(Read::of(&model), PaneId(99)), []);
     }
 }

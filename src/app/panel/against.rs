@@ -262,12 +262,11 @@ mod tests {
     use super::*;
     use crate::app::apply::bench::{detected, feature, open};
     use crate::app::apply::{detection, opening};
-    use crate::app::results::Model;
     use std::time::Duration;
 
     #[test]
     fn an_empty_list_says_the_next_step() {
-        let mut model = Model::default();
+        let mut model = crate::app::results::Model::default();
         assert!(what_to_do(Read::of(&model), Side::A).starts_with("Pin a result"));
         model.document.comparisons.a.with = Some(Reference::Truth);
         assert!(what_to_do(Read::of(&model), Side::A).starts_with("Press Detect"));

@@ -9,7 +9,6 @@ use crate::app::panel::cursor_row::{CursorRow, slider_track, wheel_over};
 use crate::app::panel::widgets::{hint, named, section_ui};
 use crate::app::results::Read;
 use crate::app::view::nearest;
-use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeGrid};
 use crate::inspect::slopes::features_at_slopes;
@@ -143,7 +142,7 @@ fn scale_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     queue.push_if(is_other, Action::SetScale(model.document.focus(), octave as i32, level as i32));
     let space = ScaleSpace::of(model.cursor_params());
     let sigma = space.sigma_image(model.document.cursor().octave, f64::from(model.document.cursor().level));
-    let rim = rim_radius(sigma, space.levels);
+    let rim = crate::detector::localise::rim_radius(sigma, space.levels);
     let help = format!("Pixels of the input image; discs with a radius of {rim:.1} px respond most strongly");
     ui.weak(format!("Scale σ = {sigma:.2} px")).on_hover_text(help);
 }

@@ -6,7 +6,6 @@ use crate::app::canvas::number;
 use crate::app::canvas::overlay::{ColourBy, ColourScale, rgb};
 use crate::app::document::look::SMOOTHING_PX;
 use crate::app::document::{Action, FeaturesShown, Look, RangeClass};
-use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui, small_text, strip_of_colours};
@@ -19,7 +18,7 @@ use egui::{
 };
 
 #[derive(Default)]
-pub struct DisplayState([HistogramPanel; RangeClass::Motion as usize + 1]);
+pub struct DisplayState([crate::app::histogram::HistogramPanel; RangeClass::Motion as usize + 1]);
 
 /// Draws the section, with the rows for features where they are drawn.
 pub fn display_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, with_features: bool, queue: &mut Queue) {

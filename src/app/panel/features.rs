@@ -15,11 +15,10 @@ use crate::app::view::{KnownOfFeature, depth_text, motion_text};
 use crate::detector::{Detection, Feature, Quantity, Slope};
 use crate::inspect::slopes::{at_slope, is_at_slope};
 use egui::{Align2, Label, Pos2, RichText, Ui, vec2};
-use std::sync::Arc;
 
 #[derive(Debug, Clone)]
 pub struct FeatureLayer {
-    pub detection: Arc<Detection>,
+    pub detection: std::sync::Arc<Detection>,
     /// Features at their places in the picture where that is a frame: at its time.
     in_frame: Option<Vec<Feature>>,
     pub shown: Vec<bool>,

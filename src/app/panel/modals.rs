@@ -8,7 +8,6 @@ use crate::burst::{FrameRange, OpenOptions, RawColour, Tiling, TimesChoice, View
 use crate::engine::Engine;
 use crate::requests::BurstSource;
 use egui::{DragValue, RichText, ScrollArea, TextEdit, Ui, vec2};
-use std::path::PathBuf;
 
 const COLOURS: [(RawColour, &str, &str); 4] = [
     (RawColour::Luma, "Luma", "Mean of each 2 × 2 square of pixels: all the light"),
@@ -189,7 +188,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>, queu
 fn file_ui(
     ui: &mut Ui,
     label: &str,
-    path: &mut Option<PathBuf>,
+    path: &mut Option<std::path::PathBuf>,
     purposes: &[Purpose],
     choice: &mut Option<Purpose>,
     queue: &mut Queue,

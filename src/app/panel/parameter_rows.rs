@@ -1,11 +1,9 @@
 //! Row of a parameter, made from its record: its name, its editor, and the button that resets it.
 
 use crate::app::panel::widgets::{error_ui, hint};
-use crate::app::words::explained;
 use crate::detector::params::{Drag, Field, Param, ParamDoc};
 use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis};
 use crate::error::Error;
-use crate::teach::Part;
 use crate::teach::glossary::glossary;
 use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
 
@@ -56,7 +54,7 @@ impl<P: Clone> ParamTable<'_, P> {
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| editor(ui, value, label.id));
             });
         });
-        crate::app::parts::mark(ui, Part::parameter(record), row.response.rect);
+        crate::app::parts::mark(ui, crate::teach::Part::parameter(record), row.response.rect);
         if let Some(error) = wrong {
             error_ui(ui, RichText::new(format!("{}: {}", error.problem, error.remedy)).small());
         }
@@ -105,7 +103,7 @@ pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
         let text = RichText::new(doc.label);
         let text = if wrong { text.color(ui.visuals().error_fg_color) } else { text };
         let label = ui.add(egui::Label::new(text).truncate());
-        let label = explained(label, &help, glossary().of_parameter(doc.name));
+        let label = crate::app::words::explained(label, &help, glossary().of_parameter(doc.name));
         if !doc.unit.is_empty() {
             ui.add(egui::Label::new(RichText::new(doc.unit).small().weak()).truncate()).on_hover_text(&help);
         }

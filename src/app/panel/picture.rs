@@ -3,7 +3,6 @@
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{CanvasOutput, Quantity, Readout, overlay};
 use crate::app::document::{FeaturesShown, RangeClass};
-use crate::app::measure::Tool;
 use crate::app::memo::{Itself, Memo};
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::paint;
@@ -168,7 +167,7 @@ pub(in crate::app) fn at_time(feature: &Feature, from_middle: Offset<f32>) -> Fe
 
 pub fn stale_ui(ui: &mut Ui, model: Read<'_>, rect: Rect, queue: &mut Queue) {
     let Some(stale) = model.stale() else { return };
-    if model.document.measure.tool == Tool::Mask
+    if model.document.measure.tool == crate::app::measure::Tool::Mask
         || model.document.look.overlay == FeaturesShown::None
         || model.results.slots.a.detecting.is_pending()
     {

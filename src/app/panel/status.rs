@@ -9,7 +9,6 @@ use crate::app::results::{Own, Read};
 use crate::detector::{Advice, ParamChange};
 use crate::inspect::words::counted;
 use egui::{Align, Align2, Area, Button, Frame, Id, Label, Layout, RichText, Ui, vec2};
-use std::time::Duration;
 
 /// Points by which the room of a value grows.
 const READOUT_STEP: f32 = 80.0;
@@ -161,7 +160,7 @@ pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
     answer.map(|removes| if removes { RecoveryChoice::Remove } else { RecoveryChoice::Keep })
 }
 
-fn ago(age: Duration) -> String {
+fn ago(age: std::time::Duration) -> String {
     let minutes = age.as_secs() / 60;
     let (count, unit) = match minutes {
         0 => return "just now".to_owned(),

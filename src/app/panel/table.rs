@@ -5,12 +5,10 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::filter::{at_slope, range_name, ranged, ranged_quantities};
 use crate::app::document::{Action, Filter, Interval, Order, Pointed, Side};
 use crate::app::inspector::feature_items_ui;
-use crate::app::panel::tally;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
 use crate::app::results::Read;
 use crate::app::view::{KnownOfFeature, layer_text, quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
-use crate::detector::quantity::Record;
 use crate::detector::{Moves, Quantity};
 use crate::inspect::place::Verdict;
 use egui::containers::menu::{MenuButton, MenuConfig};
@@ -19,7 +17,7 @@ use egui_extras::{Column as TableColumn, TableBuilder};
 
 impl SortedColumn for Quantity {
     fn look(self) -> Heading {
-        let Record { heading, help, term, width, .. } = self.record();
+        let crate::detector::quantity::Record { heading, help, term, width, .. } = self.record();
         Heading { text: heading, help, term, width, ..Heading::default() }
     }
 }
@@ -247,7 +245,7 @@ pub fn filter_bar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     queue.edit(model.document, Action::SetFilter(filter));
     if !model.document.filter.is_open() {
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
-        tally::expected_ui(ui, model, queue);
+        crate::app::panel::tally::expected_ui(ui, model, queue);
     }
 }
 

@@ -3,18 +3,13 @@
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_circles, rgb};
 use crate::app::canvas::{CanvasOutput, number};
 use crate::app::document::{Action, Destination, Pointed, Queue, Side};
-use crate::app::inspector::chip_ui;
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{instead_ui, label_ui, progress_text, tip_ui, weak_ui, with_whole_numbers};
 use crate::app::results::{FoundFeatures, Read};
-use crate::app::view::signed_slope;
-use crate::detector::advice::grouped;
-use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{NoiseGate, Slope, Test};
 use crate::inspect::place::{CandidateMark, ProbeSubject, Survey};
 use crate::inspect::result::{DecoyReport, DecoyStudy, Decoys};
 use crate::inspect::words::{capitalised, counted, sentence};
-use crate::plane::display::ColourMap;
 use crate::requests::{JobError, ProbeQuestion, ViewKind};
 use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 use std::sync::Arc;
@@ -53,7 +48,7 @@ pub fn tally_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let most = tally.rejected.iter().copied().max().unwrap_or(0).max(tally.kept).max(1);
         line_ui(ui, "Samples of D examined", [Some(tally.samples), None], None, None);
         if tally.not_searched > 0 {
-            line_ui(ui, NOT_SEARCHED, [Some(tally.not_searched), None], None, None);
+            line_ui(ui, crate::detector::test::NOT_SEARCHED, [Some(tally.not_searched), None], None, None);
         }
         // Without masks nothing is told of them.
         let told = |test: &Test| *test != Test::Seen || tally.rejected_by(*test) > 0;
@@ -144,7 +139,7 @@ fn line_ui(ui: &mut Ui, name: &str, counts: [Option<u64>; 2], bar: Option<(u64, 
             label_ui(ui, name, NAME_WIDTH);
         }
         for count in counts.into_iter().flatten() {
-            count_ui(ui, RichText::new(grouped(count)).monospace());
+            count_ui(ui, RichText::new(crate::detector::advice::grouped(count)).monospace());
         }
         if let Some((most, colour)) = bar {
             let room = (ui.available_width() - 8.0).clamp(40.0, 420.0);
@@ -210,7 +205,7 @@ fn strongest(survey: &Arc<Survey>) -> Vec<usize> {
 /// Colour of a margin: yellow for nearly passed, dark for far from it.
 fn margin_colour(margin: Option<f32>) -> Color32 {
     let t = 1.0 + margin.unwrap_or(-0.5).clamp(-1.0, 0.0);
-    rgb(ColourMap::Viridis.lut()[(255.0 * (0.25 + 0.75 * t)) as usize])
+    rgb(crate::plane::display::ColourMap::Viridis.lut()[(255.0 * (0.25 + 0.75 * t)) as usize])
 }
 
 fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
@@ -220,7 +215,7 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
         (Some(test), None) => test.reason().to_owned(),
         (None, _) => "kept".to_owned(),
     };
-    let (u, v, slope) = (number(u, 4), number(v, 4), signed_slope(slope, 2));
+    let (u, v, slope) = (number(u, 4), number(v, 4), crate::app::view::signed_slope(slope, 2));
     let CandidateMark { sigma, value, snr, sample, .. } = mark;
     let (octave, level) = (sample.octave, sample.level);
     format!("candidate at ({u}, {v})  σ {sigma:.2} px\noctave {octave} level {level}  slope ({slope}) px/frame\n")
@@ -251,7 +246,7 @@ pub fn selected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 }
 
 fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
-    chip_ui(ui, output, Align2::CENTER_TOP, text, "candidates").on_hover_text(
+    crate::app::inspector::chip_ui(ui, output, Align2::CENTER_TOP, text, "candidates").on_hover_text(
         "Yellow: nearly passed; dark: failed by far. Point at a circle to read its numbers; click to keep them on the screen",
     );
 }
@@ -259,10 +254,9 @@ fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::Sample;
 
     fn mark(snr: f32) -> CandidateMark {
-        let sample = Sample { octave: 0, level: 1, slope_index: 3, x: 10, y: 20 };
+        let sample = crate::detector::Sample { octave: 0, level: 1, slope_index: 3, x: 10, y: 20 };
         let (pos_image, first_failed, margin) = ([10.5, 20.0], Some(Test::NoiseGate), Some(-0.125));
         CandidateMark { pos_image, sigma: 2.0, sample, value: -0.0123, snr, first_failed, margin }
     }

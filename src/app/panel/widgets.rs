@@ -12,7 +12,6 @@ use egui::{
     WidgetText, mutex::Mutex, pos2, vec2,
 };
 use egui_plot::Plot;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -156,7 +155,7 @@ pub fn paint(painter: &Painter, texture: TextureId, rect: Rect) {
 
 /// Textures of values, by the names under which these are drawn.
 #[derive(Clone, Default)]
-struct Textures(Arc<Mutex<BTreeMap<String, Drawn>>>);
+struct Textures(Arc<Mutex<std::collections::BTreeMap<String, Drawn>>>);
 
 /// Origin of a texture, the texture, and the number of the pass that drew it last.
 type Drawn = (PlaneKey, TextureHandle, u64);
@@ -339,7 +338,6 @@ pub fn name_field(response: &Response, name: &str, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::Stage;
 
     #[test]
     fn a_bar_holds_whole_parts_of_its_text() {
@@ -366,7 +364,7 @@ mod tests {
         assert_eq!(time_left_text(Duration::from_millis(3400)), "about 4 s left");
         assert_eq!(time_left_text(Duration::from_millis(10)), "about 1 s left");
         assert_eq!(time_left_text(Duration::from_secs(61)), "about 2 min left");
-        let at = |fraction| Some(Progress { stage: Stage::Describe, fraction });
+        let at = |fraction| Some(Progress { stage: crate::monitor::Stage::Describe, fraction });
         let left = Some(Duration::from_millis(10_400));
         assert_eq!(stage_text(at(0.5), left), "Describing features  50 %  about 11 s left");
         assert_eq!(stage_text(at(0.01), None), "Describing features  1 %", "too early to say");

@@ -12,8 +12,6 @@ use crate::app::results::Read;
 use crate::engine::{Engine, TaskDone, TaskId};
 use crate::files::{MAX_SESSION_BYTES, read_text, written_by};
 use crate::requests::JobId;
-use std::collections::VecDeque;
-use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
@@ -61,14 +59,14 @@ pub struct Recovery {
     failed: Option<String>,
     looked: Option<Instant>,
     writing: Option<TaskId>,
-    left: VecDeque<(Record, String)>,
+    left: std::collections::VecDeque<(Record, String)>,
     /// Request that opens the burst of the session that is restored.
     pub restoring: Option<JobId>,
     pub is_asking: bool,
 }
 
 impl Recovery {
-    pub fn new(kept: &KeptIn) -> io::Result<Self> {
+    pub fn new(kept: &KeptIn) -> std::io::Result<Self> {
         let own = Arc::new(Record::new(&kept.folder)?);
         // A session that this program cannot read, of a newer version for example, is left in place.
         let readable = |record: Record| {

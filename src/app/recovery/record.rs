@@ -4,7 +4,6 @@
 //! of the system as long as it lives. A session without a lock is one whose window did not end in the ordinary way.
 
 use crate::export::write_whole;
-use crate::files::open_as;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -118,7 +117,7 @@ impl Record {
 /// Locks `session`; `None` if the lock is held already, or its owner has just removed it.
 fn locked(session: &Path) -> io::Result<Option<File>> {
     let path = session.with_extension(LOCK);
-    let file = open_as(&path, OpenOptions::new().create(true).truncate(false).write(true))?;
+    let file = crate::files::open_as(&path, OpenOptions::new().create(true).truncate(false).write(true))?;
     match file.try_lock() {
         // Between opening and locking its owner may have removed it.
         Ok(()) => Ok(path.exists().then_some(file)),

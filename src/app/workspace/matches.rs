@@ -9,7 +9,6 @@ use crate::app::results::Read;
 use crate::app::workspace::pair::parameters;
 use crate::app::workspace::{WorkspaceParts, left_panel, right_panel, side_width};
 use crate::inspect::words::counted;
-use crate::requests::next_commands;
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 
 pub(super) fn matches_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
@@ -101,7 +100,7 @@ fn next_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Next", |ui| {
         button_ui(ui, model, queue, ActionId::ExportDatabase, None);
         let Some((folder, knows_cameras)) = &model.results.datasets.exported else { return };
-        let [make, map, python] = next_commands(folder, *knows_cameras);
+        let [make, map, python] = crate::requests::next_commands(folder, *knows_cameras);
         ui.add_space(4.0);
         for (name, line) in [("COLMAP", format!("{make} && {map}")), ("pycolmap", python)] {
             if ui.button(format!("Copy the line for {name}")).on_hover_text(&line).clicked() {

@@ -10,7 +10,6 @@ use crate::inspect::place::{Fate, Needed, Outcome, Probe, ProbeSubject, TestRepo
 use crate::inspect::words::{number, sentence, slope_text, value_text};
 use crate::requests::{ProbeQuestion, Probed};
 use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, Ui, vec2};
-use std::ops::Range;
 
 const ROW: f32 = 18.0;
 const ROWS_SEEN: usize = 6;
@@ -59,7 +58,7 @@ fn scale_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     named(&combo.response.on_hover_text(help), egui::Role::ComboBox, format!("Scale of candidates: {text}"));
 }
 
-fn list_ui(ui: &mut Ui, answer: &Probed, listed: Range<usize>, queue: &mut Queue) {
+fn list_ui(ui: &mut Ui, answer: &Probed, listed: std::ops::Range<usize>, queue: &mut Queue) {
     let (fates, first) = (&answer.probe.fates[listed.clone()], listed.start);
     heading_ui(ui);
     let seen = fates.len().min(ROWS_SEEN) as f32;

@@ -7,7 +7,6 @@ use crate::app::style;
 use crate::detector::Slope;
 use crate::inspect::slopes::{SlopeBar, Spectrum};
 use crate::inspect::words::counted;
-use crate::plane::display::ColourMap;
 use egui::{Align2, Color32, Rect, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
 pub(super) struct Marks {
@@ -138,7 +137,7 @@ pub(super) fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: 
     let side = ((height - 52.0).clamp(50.0, 300.0) / rows).min(half / columns).max(1.0);
     let size = vec2(side * columns, side * rows);
     let grid = spectrum.grid;
-    let lut = ColourMap::Viridis.lut();
+    let lut = crate::plane::display::ColourMap::Viridis.lut();
     ui.horizontal_top(|ui| {
         type Value = fn(&SlopeBar) -> f32;
         let charts: [(&str, Value); 2] = [("Features", |bar| bar.features as f32), ("Evidence", |bar| bar.evidence)];

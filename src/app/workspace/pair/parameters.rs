@@ -5,13 +5,11 @@ use crate::app::document::{Action, Side};
 use crate::app::panel::parameter_rows::ParamTable;
 use crate::app::panel::parameters::fold_ui;
 use crate::app::panel::widgets::{error_ui, name_field, section_ui};
-use crate::app::parts;
 use crate::app::results::Read;
 use crate::dataset::CameraChoice;
 use crate::detector::params::Param;
 use crate::matching::params::doc;
 use crate::matching::{Camera, CameraModel, Geometry, MatchParams};
-use crate::teach::Part;
 use egui::{Align, Id, Layout, RichText, Ui};
 
 const ADVANCED: [Param<MatchParams>; 5] =
@@ -75,7 +73,7 @@ fn all_rows_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let is_advanced = |record: &&Param<MatchParams>| ADVANCED.contains(record);
     let is_needed = |record: &&Param<MatchParams>| {
         error.is_some_and(|error| error.subject == record.name)
-            || parts::is_wanted(ui.ctx(), Part::parameter(record))
+            || crate::app::parts::is_wanted(ui.ctx(), crate::teach::Part::parameter(record))
             || (**record == doc::CAMERA && p.camera.is_some())
     };
     let needed = ADVANCED.iter().any(|record| is_needed(&record)) || p.geometry == Geometry::Essential;
