@@ -153,9 +153,8 @@ impl Part for Methods {
         methods::share_what_is_found(model);
         let opening = model.results.compare.opening_gold.both();
         let is_busy = model.results.compare.wanted.is_pending() || opening.iter().any(|gold| gold.is_pending());
-        let job =
-            Read::of(model).next_compare_job().filter(|_| !pass.dragging && model.document.auto_detect && !is_busy);
-        if let Some(job) = job {
+        let asks = !pass.dragging && model.document.auto_detect && !is_busy;
+        if let Some(job) = Read::of(model).next_compare_job().filter(|_| asks) {
             model.results.compare.wanted.ask(pass.engine, job.request.clone());
             model.results.compare.asked = Some(job);
         }
@@ -322,10 +321,8 @@ mod tests {
         assert!(!bench.read().features_are_current(Side::A));
         assert_eq!(found.detection.slopes, SlopeGrid::single(bench.model.document.cursor().slope), "it is on show");
         assert!(found.judgement.is_none() && found.advice.is_none(), "one slope tells nothing about the range");
-        assert!(
-            bench.read().found_source(Side::A).is_none(),
-            "nothing is asked of features that no search finds alone"
-        );
+        let source = bench.read().found_source(Side::A);
+        assert!(source.is_none(), "nothing is asked of features that no search finds alone");
         bench.settle();
         assert!(bench.read().features_are_current(Side::A) && bench.read().stale().is_none());
         let first = found.detection.features.len();

@@ -166,11 +166,8 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
     let mut model = with_features();
     model.document.selected = Some(0);
     opening::take_burst(&mut model, open((40, 40), 1));
-    assert!(
-        model.results.slots.a.found.is_none()
-            && model.document.selected.is_none()
-            && Read::of(&model).picture().is_none()
-    );
+    let read = Read::of(&model);
+    assert!(read.found_of(Side::A).is_none() && read.document.selected.is_none() && read.picture().is_none());
     assert_eq!(model.results.slots.a.param_error.as_ref().map(|e| e.subject.as_str()), Some("frames"));
     let wanted = Read::of(&model).wanted(model.document.focus()).expect("open");
     assert!(wanted.compute(&Work::alone(&Monitor::default())).is_ok());
@@ -231,15 +228,14 @@ fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it
 fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range() {
     let mut model = with_features();
     panes::lay_out(&mut model, Preset::ThreeSlopes);
-    let slopes =
-        |model: Read<'_>| -> Vec<f32> { model.document.panes.each_shown().map(|pane| pane.cursor.slope.u).collect() };
-    assert_eq!(slopes(Read::of(&model)), [0.0, 1.0, 2.0]);
+    let slopes = |model: &Model| -> Vec<f32> { model.document.panes.each_shown().map(|p| p.cursor.slope.u).collect() };
+    assert_eq!(slopes(&model), [0.0, 1.0, 2.0]);
     opening::take_burst(&mut model, open((40, 30), 3));
-    assert_eq!(slopes(Read::of(&model)), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
+    assert_eq!(slopes(&model), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
     model.document.show_slope(model.document.focus(), Slope::new(100.0, 0.0));
     params::check_params(&mut model);
     let limit = crate::app::document::cursor::slope_limit(&model.results.slots.a.usable_params.slopes);
-    assert_eq!(slopes(Read::of(&model)), [limit - 1.0, limit, limit + 1.0]);
+    assert_eq!(slopes(&model), [limit - 1.0, limit, limit + 1.0]);
     let last = model.document.panes.shown()[2];
     let PictureKind::Stack { slope } = Read::of(&model).wanted(last).expect("open").kind else { panic!("a stack") };
     assert_eq!(slope.u, limit, "what is beyond is shown at the rim");

@@ -257,13 +257,10 @@ fn say_what_was_exported(model: &mut Model, done: &crate::requests::ColmapDone) 
     let folder = report.database.parent();
     model.results.datasets.exported = folder.map(|folder| (folder.into(), report.known_camera));
     let old = folder.and_then(crate::requests::old_model).map_or_else(String::new, |old| format!("; {old}"));
-    model.shell.messages.note(format!(
-        "Wrote {}: {}, {}, {verified} of them verified; {}{old}",
-        report.database.display(),
-        counted(report.images.len(), "image"),
-        counted(report.pairs.len(), "pair"),
-        report.no_start.as_deref().unwrap_or("Matches has the next step"),
-    ));
+    let (images, pairs) = (counted(report.images.len(), "image"), counted(report.pairs.len(), "pair"));
+    let (path, next) = (report.database.display(), report.no_start.as_deref().unwrap_or("Matches has the next step"));
+    let text = format!("Wrote {path}: {images}, {pairs}, {verified} of them verified; {next}{old}");
+    model.shell.messages.note(text);
     if let Some((name, why)) = done.left_out.first() {
         let others = match done.left_out.len() - 1 {
             0 => String::new(),

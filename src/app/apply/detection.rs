@@ -12,9 +12,8 @@ use crate::requests::{DetectRequest, Detected};
 use std::time::Duration;
 
 pub fn start_detection(model: &mut Model, side: Side, engine: &Engine) {
-    if let Some(request) =
-        Read::of(model).detect_request(side).filter(|_| model.results.slots[side].param_error.is_none())
-    {
+    let request = Read::of(model).detect_request(side);
+    if let Some(request) = request.filter(|_| model.results.slots[side].param_error.is_none()) {
         model.results.slots[side].detecting.ask(engine, request);
     }
 }

@@ -127,7 +127,11 @@ impl FileChooser {
         std::thread::Builder::new()
             .name("burstscope-dialog".to_owned())
             .spawn(move || {
-                let answer = answer(question, &*dialogs);
+                let answer = match dialogs.exist().then(|| dialogs.ask(&question)) {
+                    None => FileAnswer::NoDialog(question),
+                    Some(Some(paths)) if !paths.is_empty() => FileAnswer::Chosen(question.purpose, paths),
+                    Some(_) => FileAnswer::Nothing(question),
+                };
                 // When the window is closed already, the answer is dropped.
                 let _ = sender.send(answer);
                 on_update();
@@ -144,15 +148,5 @@ impl FileChooser {
 
     pub fn is_asking(&self) -> bool {
         self.open > 0
-    }
-}
-
-fn answer(question: Question, dialogs: &dyn FileDialogs) -> FileAnswer {
-    if !dialogs.exist() {
-        return FileAnswer::NoDialog(question);
-    }
-    match dialogs.ask(&question) {
-        Some(paths) if !paths.is_empty() => FileAnswer::Chosen(question.purpose, paths),
-        _ => FileAnswer::Nothing(question),
     }
 }

@@ -320,10 +320,9 @@ fn draw_bars(painter: &Painter, geometry: &PlotGeometry, histogram: &Histogram, 
         let centre = 0.5 * (from + to);
         let within = centre >= display.min && centre <= display.max;
         let height = (scale * (1.0 + count as f32).ln()).max(1.0);
-        let rect = Rect::from_min_max(
-            pos2(geometry.x_of(from), bars.bottom() - height),
-            pos2(geometry.x_of(to).max(geometry.x_of(from) + 0.5), bars.bottom()),
-        );
+        let left = geometry.x_of(from);
+        let x_range = left..=geometry.x_of(to).max(left + 0.5);
+        let rect = Rect::from_x_y_ranges(x_range, bars.bottom() - height..=bars.bottom());
         mesh.add_colored_rect(rect, colour.gamma_multiply(if within { 0.85 } else { 0.32 }));
     }
     painter.add(Shape::mesh(mesh));

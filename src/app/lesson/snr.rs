@@ -45,13 +45,6 @@ impl SnrTrace {
     }
 }
 
-/// Measures the spot in the shown picture. Returns the number of its frames, and the ratio.
-fn measured(model: Read<'_>, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)> {
-    let (frames, place) = shown_spot(model, spot, slope)?;
-    let picture = model.picture().filter(|_| model.picture_is_current())?;
-    Some((frames, spot_snr(&picture.plane, place, spot.inner, spot.ground)?))
-}
-
 /// Number of frames in the shown picture, and the place of the spot in it.
 pub(super) fn shown_spot(model: Read<'_>, spot: Spot, slope: Slope) -> Option<(usize, [f32; 2])> {
     let picture = model.picture()?;
@@ -78,7 +71,10 @@ pub(super) fn snr_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, spot: S
     parts::mark(ui, Part::FramesAdded, below(ui, top));
     ui.add_space(4.0);
     let top = ui.cursor().min;
-    let now = measured(model, spot, slope);
+    let now = shown_spot(model, spot, slope).and_then(|(frames, place)| {
+        let picture = model.picture().filter(|_| model.picture_is_current())?;
+        Some((frames, spot_snr(&picture.plane, place, spot.inner, spot.ground)?))
+    });
     if let Some((frames, snr)) = now {
         let at = trace.slope.filter(|_| frames == 1).unwrap_or(model.document.cursor().slope);
         trace.take(at, frames, snr.ratio());

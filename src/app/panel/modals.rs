@@ -87,9 +87,8 @@ const TILINGS: [(Option<Tiling>, &str, &str); 3] = [
 ];
 
 fn views_ui(ui: &mut Ui, views: &mut Option<ViewsChoice>) {
-    const TIP: &str = "Frames that are the views of a light field";
     const MAX_SIDE: usize = 4096;
-    let name = ui.label("Views").on_hover_text(TIP);
+    let name = ui.label("Views").on_hover_text("Frames that are the views of a light field");
     row_of(ui, &name, |ui| {
         let usual =
             "Views where the names of all of a grid have rows and columns (view_03_07.png), otherwise frames in time";

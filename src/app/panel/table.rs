@@ -296,7 +296,7 @@ fn layers_ui(ui: &mut Ui, model: Read<'_>, filter: &mut Filter) {
         let names = (1..).zip(&field.layers).map(|(number, layer)| (number, layer_text(number, layer)));
         egui::ScrollArea::vertical().max_height(LAYERS_HEIGHT).show(ui, |ui| {
             ui.vertical(|ui| {
-                for (number, name) in names.chain([(0, NO_LAYER.to_owned())]) {
+                for (number, name) in names.chain([(0, "no layer".to_owned())]) {
                     layer_ui(ui, filter, number, &name);
                 }
             });
@@ -324,7 +324,6 @@ fn layer_ui(ui: &mut Ui, filter: &mut Filter, number: i32, name: &str) {
     });
 }
 
-const NO_LAYER: &str = "no layer";
 /// Maximum height of the list of layers, points.
 const LAYERS_HEIGHT: f32 = 130.0;
 

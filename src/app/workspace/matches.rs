@@ -22,7 +22,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
             pairs_ui(ui, model, queue);
             selected_ui(ui, model, queue);
             next_ui(ui, model, queue);
-            parameters::dataset_parameters_ui(ui, model, queue);
+            parameters::parameters_ui(ui, model, queue);
         });
     }
     let mut opened = None;

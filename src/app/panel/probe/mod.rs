@@ -50,7 +50,7 @@ fn probe_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(answer) = &model.results.probed.answer else {
         if model.document.probe.question.is_none() {
             ui.add_space(4.0);
-            weak_ui(ui, HOW);
+            weak_ui(ui, "Shift+click a place of a picture to see why there is a feature, or why there is none.");
         }
         return;
     };
@@ -78,8 +78,6 @@ fn probe_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         });
     });
 }
-
-const HOW: &str = "Shift+click a place of a picture to see why there is a feature, or why there is none.";
 
 fn tools_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| {

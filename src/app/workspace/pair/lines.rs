@@ -266,12 +266,9 @@ fn unmatched_marks_ui(model: Read<'_>, views: &MatchViews<'_>) {
     }
     let sides = &found.request.request;
     let Some(own) = sides.a.features.get(why.feature) else { return };
-    let mark = |f: &Feature, colour: Color32, dashed: bool| CircleMark {
-        pos_image: pos2(f.u, f.v),
-        sigma: f.sigma,
-        from_image: None,
-        colour,
-        dashed,
+    let mark = |f: &Feature, colour: Color32, dashed: bool| {
+        let (pos_image, sigma) = (pos2(f.u, f.v), f.sigma);
+        CircleMark { pos_image, sigma, from_image: None, colour, dashed }
     };
     for view in views.on(Side::A) {
         draw_circles(view.output, &[mark(own, Color32::WHITE, false)], Some(0));

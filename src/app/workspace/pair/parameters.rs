@@ -43,22 +43,19 @@ impl CameraText {
     }
 }
 
+/// Draws the parameters of the matches of two bursts, with the button that matches them, or of a dataset.
 pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
-        ui.horizontal(|ui| {
-            button_ui(ui, model, queue, ActionId::Match, None);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
+        if model.document.workspace.shows_pair() {
+            ui.horizontal(|ui| {
+                button_ui(ui, model, queue, ActionId::Match, None);
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
+                });
             });
-        });
-        ui.add_space(4.0);
-        all_rows_ui(ui, model, queue);
-    });
-}
-
-pub fn dataset_parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    section_ui(ui, "Matching", |ui| {
-        button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
+        } else {
+            button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
+        }
         ui.add_space(4.0);
         all_rows_ui(ui, model, queue);
     });
