@@ -244,10 +244,9 @@ fn found_by(text: &str, model: Read<'_>) -> Vec<Entry> {
         let rank = rank(&text, action.label, action.help)?;
         Some((rank + u8::from(!enabled(action.id, model)) * 8, Entry::Action(action.id)))
     });
-    let parameters = doc::ALL.iter().filter_map(|record| {
-        let rank = rank(name, record.label, record.name)?;
-        Some((rank, Entry::Parameter(*record, value.clone())))
-    });
+    let parameters = doc::ALL
+        .iter()
+        .filter_map(|record| Some((rank(name, record.label, record.name)?, Entry::Parameter(*record, value.clone()))));
     let mut found: Vec<(u8, Entry)> = actions.chain(parameters).collect();
     found.sort_by_key(|(rank, _)| *rank);
     found.into_iter().map(|(_, found)| found).collect()

@@ -96,9 +96,8 @@ impl Part for PanePictures {
     /// detection in their burst, from which they may be made.
     fn ask(&self, pass: &mut Pass<'_>) {
         let model = &mut *pass.model;
-        let focus = model.document.focus();
         let mut ids = model.document.panes.shown();
-        ids.sort_by_key(|id| *id != focus);
+        ids.sort_by_key(|id| *id != model.document.focus());
         for id in ids {
             let Some(wanted) = Read::of(model).wanted(id).filter(|_| !Read::of(model).is_current(id)) else { continue };
             let side = model.document.panes.get(id).map_or(Side::A, |pane| pane.side);
@@ -305,9 +304,8 @@ mod tests {
         assert_eq!(dragged(|model| model.document.params.noise_gate = NoiseGate::Factor(3.0)), (false, all, false));
         assert_eq!(dragged(|model| model.document.params.noise_gate = NoiseGate::Auto), (false, all, true));
         assert!(!dragged(|model| model.document.params.slopes = SlopeGrid::line(-0.8..=0.8, 3).into()).0);
-        let (asks, _, is_current) =
-            dragged(|model| model.document.params.slopes = SlopeGrid::line(-1.0..=2.0, 4).into());
-        assert!(asks && is_current, "one more slope is searched while the end is dragged");
+        let wider = dragged(|model| model.document.params.slopes = SlopeGrid::line(-1.0..=2.0, 4).into());
+        assert!(wider.0 && wider.2, "one more slope is searched while the end is dragged");
     }
 
     #[test]

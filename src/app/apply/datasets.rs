@@ -40,8 +40,7 @@ pub(in crate::app) fn cut_open_burst(model: &mut Model, length: usize, engine: &
 
 /// Finds the features of all bursts; where that replaces features of other parameters, the user is asked first.
 pub(in crate::app) fn ask_and_detect_all(model: &mut Model, engine: &Engine) -> Option<Effect> {
-    let params = Read::of(model).asked();
-    if model.results.datasets.open.as_ref().is_some_and(|dataset| dataset.would_replace(&params)) {
+    if model.results.datasets.open.as_ref().is_some_and(|dataset| dataset.would_replace(&Read::of(model).asked())) {
         return Some(Effect::ReplaceFeatures);
     }
     detect_all(model, engine);

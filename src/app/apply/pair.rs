@@ -180,8 +180,7 @@ pub fn refresh_why(model: &mut Model) {
                 return;
             }
             let losses = crate::inspect::pair::Losses::again(found.request.pair(), found.nearest.clone());
-            let unmatched = Arc::new(losses.of(feature, CANDIDATES));
-            Some(Why { feature, of: found.request.clone(), unmatched })
+            Some(Why { feature, of: found.request.clone(), unmatched: Arc::new(losses.of(feature, CANDIDATES)) })
         }
         _ => None,
     };
@@ -209,9 +208,8 @@ pub(in crate::app) mod tests {
         let at = |du: f32| -> Vec<_> {
             (0..4).map(|i| feature(8.0 + 12.0 * i as f32 + du, 10.0 + 7.0 * i as f32, i, &grid)).collect()
         };
-        let params = model.document.params.clone();
         for (side, burst, du) in [(Side::A, a, 0.0), (Side::B, b, 2.0)] {
-            let mut found = detected(&burst, &params, at(du));
+            let mut found = detected(&burst, &model.document.params, at(du));
             let mut detection = Detection::clone(&found.detection);
             for (i, descriptor) in detection.descriptors.iter_mut().enumerate() {
                 descriptor[10 * i] = 200;
@@ -249,10 +247,9 @@ pub(in crate::app) mod tests {
             model.document.open_workspace(Workspace::Pair);
             for side in [last.other(), last] {
                 let burst = open((150, 60), 5);
-                if side == Side::A {
-                    opening::take_burst(&mut model, burst);
-                } else {
-                    take_second_burst(&mut model, burst);
+                match side {
+                    Side::A => opening::take_burst(&mut model, burst),
+                    Side::B => take_second_burst(&mut model, burst),
                 }
             }
             model.document.panes.clone()

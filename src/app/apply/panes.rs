@@ -117,9 +117,8 @@ pub fn lay_out(model: &mut Model, preset: Preset) {
 /// A pane's own range is set from its picture, a shared one from the pane in focus or the first of this class.
 pub fn settle_ranges(model: &mut Model) {
     let mut led = Vec::new();
-    let focus = model.document.focus();
     let mut ids = model.document.panes.shown();
-    ids.sort_by_key(|id| *id != focus);
+    ids.sort_by_key(|id| *id != model.document.focus());
     for id in ids {
         let Some(class) = Read::of(model).wanted(id).map(|wanted| RangeClass::of(&wanted)) else { continue };
         let shares = model.document.panes.get(id).is_some_and(|pane| pane.own_ranges.is_none());

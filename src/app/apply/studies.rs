@@ -48,11 +48,9 @@ pub(in crate::app) fn run_study(model: &mut Model, engine: &Engine) {
 }
 
 pub(in crate::app) fn open_planted(model: &mut Model, engine: &Engine) {
-    let (Some(one), Some((study, _)), Some(open)) =
-        (Read::of(model).selected_thing(), model.results.studies.recovered(), &model.results.slots.a.burst)
-    else {
-        return;
-    };
+    let Some(one) = Read::of(model).selected_thing() else { return };
+    let Some((study, _)) = model.results.studies.recovered() else { return };
+    let Some(open) = &model.results.slots.a.burst else { return };
     // From within a copy, the next one is of the same burst.
     let of = match &open.source {
         BurstSource::Planted { of, .. } => of.clone(),

@@ -34,8 +34,7 @@ pub struct SystemDialogs;
 impl FileDialogs for SystemDialogs {
     #[cfg(all(unix, not(target_os = "macos")))]
     fn exist(&self) -> bool {
-        let session_bus = zbus::connection::Builder::session();
-        free_desktop::shows_dialogs(session_bus, std::env::var_os("PATH").as_deref())
+        free_desktop::shows_dialogs(zbus::connection::Builder::session(), std::env::var_os("PATH").as_deref())
     }
 
     #[cfg(not(all(unix, not(target_os = "macos"))))]

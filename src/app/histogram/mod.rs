@@ -419,9 +419,8 @@ mod tests {
     #[test]
     fn handles_move_their_end_and_the_middle_moves_both() {
         let start = Display { min: 0.2, max: 0.6, ..Display::default() };
-        let axis = Rangef::new(0.0, 1.0);
         let range = |grip, from, to| {
-            let d = dragged(Drag { grip, start, start_value: from }, to, axis);
+            let d = dragged(Drag { grip, start, start_value: from }, to, Rangef::new(0.0, 1.0));
             ((d.min * 1e4).round() / 1e4, (d.max * 1e4).round() / 1e4)
         };
         assert_eq!(range(Grip::Min, 0.2, 0.3), (0.3, 0.6));
@@ -437,8 +436,7 @@ mod tests {
         ) {
             let start = Display { symmetric, ..Display::default() }.with_range(min, min + width);
             let grip = [Grip::Min, Grip::Max, Grip::Both][which as usize];
-            let axis = axis_for(None, &start);
-            let end = dragged(Drag { grip, start, start_value: from }, to, axis);
+            let end = dragged(Drag { grip, start, start_value: from }, to, axis_for(None, &start));
             prop_assert!(end.min < end.max && end.min.is_finite() && end.max.is_finite(), "{end:?}");
             prop_assert!(!symmetric || end.min == -end.max);
         }

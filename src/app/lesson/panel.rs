@@ -43,9 +43,8 @@ pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: Read<'_>, queue: &mu
         steps_ui(ui, open, next.as_deref(), &mut asked);
     });
     if open.is_ended {
-        ScrollArea::vertical().id_salt("lesson end").auto_shrink(false).show(ui, |ui| {
-            end_ui(ui, open, next.as_deref());
-        });
+        let area = ScrollArea::vertical().id_salt("lesson end").auto_shrink(false);
+        area.show(ui, |ui| end_ui(ui, open, next.as_deref()));
         return asked;
     }
     ScrollArea::vertical().id_salt(("lesson", open.step)).auto_shrink(false).show(ui, |ui| {

@@ -46,8 +46,7 @@ pub fn measured_panes(model: Read<'_>, drawn_on: PaneId) -> Vec<PaneId> {
         return Vec::new();
     }
     let is_linked = |id: &PaneId| model.document.panes.has_link(*id, Link::Place);
-    let alone = !is_linked(&drawn_on);
-    shown.into_iter().filter(|id| *id == drawn_on || (!alone && is_linked(id))).collect()
+    shown.into_iter().filter(|id| *id == drawn_on || (is_linked(&drawn_on) && is_linked(id))).collect()
 }
 
 fn mapped(model: Read<'_>, drawn_on: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
@@ -207,13 +206,12 @@ fn inside(outline: &[Pos2], v: f32) -> Vec<[f32; 2]> {
     crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut parts, mut turns, mut from) = (Vec::new(), 0, 0.0);
     for (u, turn) in crossings {
-        let before = turns;
-        turns += turn;
-        match (before, turns) {
+        match (turns, turns + turn) {
             (0, _) => from = u,
             (_, 0) => parts.push([from, u]),
             _ => {}
         }
+        turns += turn;
     }
     parts
 }

@@ -88,8 +88,7 @@ pub fn against_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
         let seen = widgets.get(model.document.focus()).and_then(|widget| widget.picture.visible_image);
         let is_seen = |row: &Row| seen.is_some_and(|seen| seen.contains(row.pos_image.into()));
         if let Some(row) = shown.rows.get(row).filter(|row| !is_seen(row)) {
-            let at = Some((row.pos_image, 0.0));
-            queue.push(Action::GoTo(side, Destination { at, ..Destination::default() }));
+            queue.push(Action::GoTo(side, Destination { at: Some((row.pos_image, 0.0)), ..Destination::default() }));
         }
     }
 }

@@ -171,14 +171,12 @@ pub fn legend_ui(
 ) {
     let is_open = model.document.look.legend;
     let rect = align.align_size_within_rect(if is_open { size } else { CHIP }, rect_ui.shrink(10.0));
-    let name = if is_open { "Fold the legend" } else { "Show the legend" };
     let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());
-    named(&response, egui::Role::Button, name);
+    named(&response, egui::Role::Button, if is_open { "Fold the legend" } else { "Show the legend" });
     ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
         ui.spacing_mut().item_spacing.y = 4.0;
         if is_open {
-            let margin = Margin::symmetric(8, 6);
-            Frame::new().fill(ground(ui)).corner_radius(5).inner_margin(margin).show(ui, |ui| {
+            Frame::new().fill(ground(ui)).corner_radius(5).inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
                 ui.set_width(ui.available_width());
                 add_contents(ui);
             });

@@ -287,8 +287,7 @@ pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings:
 /// Draws the choice among `bursts` if there are any; closing it empties them. Returns the chosen one.
 pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<BurstSource> {
     let (mut chosen, mut is_open) = (None, !bursts.is_empty());
-    let heading = format!("{} bursts in this folder", bursts.len());
-    modal_ui(ctx, &mut is_open, ("burst chooser", 360.0, &heading), |ui| {
+    modal_ui(ctx, &mut is_open, ("burst chooser", 360.0, &format!("{} bursts in this folder", bursts.len())), |ui| {
         ui.weak("Choose the burst to open.");
         ui.add_space(6.0);
         ScrollArea::vertical().max_height(320.0).min_scrolled_height(200.0).show(ui, |ui| {

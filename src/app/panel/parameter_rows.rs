@@ -152,9 +152,8 @@ fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_coun
     if let Some(range) = frames {
         let size = vec2(34.0, ui.spacing().interact_size.y);
         let number = |value| DragValue::new(value).speed(0.05);
-        ui.add_sized(size, number(&mut range.start))
-            .labelled_by(label)
-            .on_hover_text("First frame used, counted from 0");
+        let start = ui.add_sized(size, number(&mut range.start)).labelled_by(label);
+        start.on_hover_text("First frame used, counted from 0");
         ui.weak("..");
         ui.add_sized(size, number(&mut range.end)).labelled_by(label).on_hover_text("One past the last frame used");
     }

@@ -65,8 +65,7 @@ impl PictureState {
             let of = |field: &MotionField| hidden.contains(&field.layer_at(u, v));
             !hidden.is_empty() && motion.field.as_ref().is_some_and(of)
         };
-        let line = line_of(&motion.grid, features);
-        let texture = self.colours.get((motion.into(), line, hidden.clone()), || {
+        let texture = self.colours.get((motion.into(), line_of(&motion.grid, features), hidden.clone()), || {
             let colours = motion.colours(features);
             // Only every n-th pixel, where the card cannot hold a picture of this size.
             let most = ui.ctx().input(|i| i.max_texture_side).max(1) as u32;
@@ -94,8 +93,7 @@ impl PictureState {
     pub(in crate::app) fn readout_at(&self, model: Read<'_>, id: PaneId, pos_image: egui::Pos2) -> Option<Readout> {
         let picture = model.picture_in(id)?;
         let is_seen = |shown: &&canvas::Picture| Arc::ptr_eq(&shown.plane, &picture.plane) && self.preview.is_none();
-        let shown = self.shown.as_ref().filter(is_seen)?;
-        let readout = canvas::readout(shown, pos_image, model.full_scale(id))?;
+        let readout = canvas::readout(self.shown.as_ref().filter(is_seen)?, pos_image, model.full_scale(id))?;
         let (u, v) = readout.pixel;
         let quantity = match (RangeClass::of(&picture.request), &picture.motion) {
             (RangeClass::Noise, _) => Quantity::Sigma,

@@ -341,9 +341,8 @@ mod tests {
 
     #[test]
     fn a_bar_holds_whole_parts_of_its_text() {
-        let context = egui::Context::default();
         let text = "Search  45 %  about 1 s left";
-        let mut output = context.run_ui(egui::RawInput::default(), |ui| {
+        let mut output = Context::default().run_ui(egui::RawInput::default(), |ui| {
             let whole = text_width(ui, text) + 2.0 * ui.spacing().item_spacing.x;
             let held = [whole + 1.0, whole - 1.0, 1.0].map(|width| fitting(ui, text, width));
             assert_eq!(held, [text, "Search  45 %", "Search"]);
@@ -373,8 +372,7 @@ mod tests {
 
     #[test]
     fn long_names_keep_both_ends() {
-        let ctx = egui::Context::default();
-        let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
+        let mut output = Context::default().run_ui(egui::RawInput::default(), |ui| {
             let font = FontId::proportional(11.0);
             let elided = |name: &str| middle_elided(ui.painter(), name, &font, Color32::WHITE, 60.0);
             assert_eq!(elided("night").text(), "night");

@@ -99,8 +99,7 @@ impl Recovery {
         self.given = Some(text.clone());
         // A late write must not replace a newer text: its turn orders it among the others.
         let (record, turn) = (self.own.clone(), self.own.turn());
-        let write = move || record.write_in_turn(&text, turn).map(|()| String::new());
-        self.writing = Some(engine.task(TITLE, write));
+        self.writing = Some(engine.task(TITLE, move || record.write_in_turn(&text, turn).map(|()| String::new())));
         None
     }
 

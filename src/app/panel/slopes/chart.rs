@@ -62,9 +62,8 @@ pub(super) fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f
     for (at, bar) in &bars {
         let x = middle(*at as f32);
         let half = (0.4 * cell).max(0.5);
-        let up = (axis - inner.top()) * bar.features as f32 / most;
-        let at_limit = (axis - inner.top()) * bar.at_limit as f32 / most;
-        for (height, colour) in [(up, style::ACCENT), (at_limit, style::warning(ui))] {
+        for (count, colour) in [(bar.features, style::ACCENT), (bar.at_limit, style::warning(ui))] {
+            let height = (axis - inner.top()) * count as f32 / most;
             painter.rect_filled(Rect::from_x_y_ranges(x - half..=x + half, axis - height..=axis), 0.0, colour);
         }
         let down = (inner.bottom() - axis) * bar.evidence / part;
