@@ -67,11 +67,14 @@ impl Messages {
         None
     }
 
-    pub fn failed(&mut self, what: &str, error: &JobError) {
-        match error {
-            JobError::Cancelled => self.note(format!("{what} cancelled")),
-            error => self.error(what, error.to_string()),
+    /// The answer, with which earlier failures are forgotten; a cancel becomes a note.
+    pub fn outcome<T>(&mut self, result: Result<T, JobError>, title: &str) -> Option<T> {
+        match &result {
+            Ok(_) => self.resolved(title),
+            Err(JobError::Cancelled) => self.note(format!("{title} cancelled")),
+            Err(error) => self.error(title, error.to_string()),
         }
+        result.ok()
     }
 
     /// Says why something failed, or forgets that it did before.

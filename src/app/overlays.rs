@@ -66,7 +66,7 @@ impl Overlays {
     }
 
     pub fn are_modal(&self, lessons: &Lessons) -> bool {
-        self.palette.is_open()
+        self.palette.is_open
             || self.sheet_open
             || self.about_open
             || lessons.list_is_open

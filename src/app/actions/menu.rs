@@ -8,9 +8,7 @@ use crate::app::words::explained;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::detector::params::{Param, doc};
-use crate::requests::BurstSource;
-use egui::{Key, Modifiers, RichText};
-use std::path::PathBuf;
+use egui::{Key, KeyboardShortcut, Modifiers, RichText};
 
 pub fn menu_bar_ui(ui: &mut egui::Ui, model: Read<'_>, remembered: &Settings, queue: &mut Queue) {
     let mut item = |ui: &mut egui::Ui, action: &ActionRow| {
@@ -75,7 +73,7 @@ fn recent_ui(ui: &mut egui::Ui, remembered: &Settings, queue: &mut Queue) {
     let Settings { recent, datasets, .. } = remembered;
     ui.add_enabled_ui(!(recent.is_empty() && datasets.is_empty()), |ui| {
         ui.menu_button("Open recent", |ui| {
-            let mut item = |ui: &mut egui::Ui, label: String, paths: &[PathBuf], open: Action| {
+            let mut item = |ui: &mut egui::Ui, label: String, paths: &[std::path::PathBuf], open: Action| {
                 let lines: Vec<String> = paths.iter().take(8).map(|p| p.display().to_string()).collect();
                 if ui.button(label).on_hover_text(lines.join("\n")).clicked() {
                     queue.push(open);
@@ -83,8 +81,7 @@ fn recent_ui(ui: &mut egui::Ui, remembered: &Settings, queue: &mut Queue) {
                 }
             };
             for source in recent {
-                let paths = if let BurstSource::Paths(paths) = source { &paths[..] } else { &[] };
-                item(ui, source.label(), paths, Action::Open(Side::A, source.clone()));
+                item(ui, source.label(), source.paths(), Action::Open(Side::A, source.clone()));
             }
             if !(recent.is_empty() || datasets.is_empty()) {
                 ui.separator();
@@ -108,22 +105,18 @@ const PALETTE_HEIGHT: f32 = 340.0;
 
 #[derive(Debug, Default)]
 pub struct Palette {
-    open: bool,
+    pub is_open: bool,
     text: String,
     chosen: usize,
 }
 
 impl Palette {
     pub fn open(&mut self) {
-        *self = Self { open: true, ..Self::default() };
-    }
-
-    pub fn is_open(&self) -> bool {
-        self.open
+        *self = Self { is_open: true, ..Self::default() };
     }
 
     pub fn ui(&mut self, ctx: &egui::Context, model: Read<'_>, queue: &mut Queue) {
-        if !self.open {
+        if !self.is_open {
             return;
         }
         let keys = [Key::ArrowUp, Key::ArrowDown, Key::Enter];
@@ -167,7 +160,7 @@ impl Palette {
                 }
             });
         });
-        self.open = run.is_none() && !modal.should_close();
+        self.is_open = run.is_none() && !modal.should_close();
         match run {
             Some(Entry::Action(id)) => queue.push(id),
             Some(Entry::Parameter(record, value)) => set_or_show(record, value.as_deref(), model, queue),
@@ -242,20 +235,18 @@ fn found_by(text: &str, model: Read<'_>) -> Vec<Entry> {
         possible.sort_by_key(|action| action.id != ActionId::Detect);
         return possible.into_iter().map(|action| Entry::Action(action.id)).collect();
     }
-    let (name, value) = match text.rsplit_once(' ') {
-        Some((name, value)) if value.replace('−', "-").parse::<f64>().is_ok() => {
-            (name, Some(value.replace('−', "-")))
-        }
+    let typed = text.rsplit_once(' ').map(|(name, value)| (name, value.replace('−', "-")));
+    let (name, value) = match typed {
+        Some((name, value)) if value.parse::<f64>().is_ok() => (name, Some(value)),
         _ => (&*text, None),
     };
     let actions = actions.filter_map(|action| {
         let rank = rank(&text, action.label, action.help)?;
         Some((rank + u8::from(!enabled(action.id, model)) * 8, Entry::Action(action.id)))
     });
-    let parameters = doc::ALL.iter().filter_map(|record| {
-        let rank = rank(name, record.label, record.name)?;
-        Some((rank, Entry::Parameter(*record, value.clone())))
-    });
+    let parameters = doc::ALL
+        .iter()
+        .filter_map(|record| Some((rank(name, record.label, record.name)?, Entry::Parameter(*record, value.clone()))));
     let mut found: Vec<(u8, Entry)> = actions.chain(parameters).collect();
     found.sort_by_key(|(rank, _)| *rank);
     found.into_iter().map(|(_, found)| found).collect()
@@ -324,8 +315,8 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
     *open &= !modal.should_close();
 }
 
-fn with_keys(menu: Menu) -> impl Iterator<Item = &'static ActionRow> {
-    ACTIONS.iter().filter(move |action| action.menu == menu && action.shortcut.is_some())
+fn with_keys(menu: Menu) -> impl Iterator<Item = (&'static ActionRow, KeyboardShortcut)> {
+    ACTIONS.iter().filter(move |action| action.menu == menu).filter_map(|action| Some((action, action.shortcut?)))
 }
 
 /// Menus that have keys, in their order, in at most `count` columns, with the longest column as short as possible.
@@ -351,14 +342,11 @@ fn in_columns(count: usize) -> Vec<Vec<Menu>> {
 fn sheet_menu_ui(ui: &mut egui::Ui, menu: Menu) {
     ui.add_space(2.0);
     ui.label(RichText::new(menu.label()).strong());
-    for action in with_keys(menu) {
+    for (action, keys) in with_keys(menu) {
         ui.horizontal(|ui| {
             ui.label(action.label).on_hover_text(action.help);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if let Some(shortcut) = &action.shortcut {
-                    key_ui(ui, &keys_text(ui.ctx(), shortcut));
-                }
-            });
+            let right = egui::Layout::right_to_left(egui::Align::Center);
+            ui.with_layout(right, |ui| key_ui(ui, &keys_text(ui.ctx(), &keys)));
         });
     }
     ui.add_space(6.0);
@@ -378,39 +366,32 @@ fn key_ui(ui: &mut egui::Ui, keys: &str) {
 mod tests {
     use super::*;
     use crate::app::apply::{bench, opening};
-    use crate::app::results::Model;
-    use crate::detector::ParamChange;
 
     #[test]
     fn words_find_actions_and_parameters_and_nothing_else() {
-        let mut model = Model::default();
-        let first = |text: &str, model: Read<'_>| found_by(text, model).first().cloned();
+        let mut model = crate::app::results::Model::default();
+        let read = Read::of(&model);
+        let first = |text: &str| found_by(text, read).first().cloned();
         use ActionId as A;
         for (text, id) in [("open dem", A::OpenDemo), ("light", A::ThemeLight), ("keyb", A::Shortcuts)] {
-            assert_eq!(first(text, Read::of(&model)), Some(Entry::Action(id)), "{text}");
+            assert_eq!(first(text), Some(Entry::Action(id)), "{text}");
         }
-        assert_eq!(
-            (first("opth", Read::of(&model)), first("qqqq", Read::of(&model))),
-            (None, None),
-            "letters that are not together"
-        );
-        assert_eq!(first("first oct", Read::of(&model)), Some(Entry::Parameter(doc::FIRST_OCTAVE, None)));
+        assert_eq!((first("opth"), first("qqqq")), (None, None), "letters that are not together");
+        assert_eq!(first("first oct"), Some(Entry::Parameter(doc::FIRST_OCTAVE, None)));
         let set = Entry::Parameter(doc::FIRST_OCTAVE, Some("-1".to_owned()));
-        assert_eq!(first("first octave -1", Read::of(&model)), Some(set.clone()));
-        assert!(is_possible(&set, Read::of(&model)));
+        assert_eq!(first("first octave -1"), Some(set.clone()));
+        assert!(is_possible(&set, read));
         let mut queue = Queue::default();
-        set_or_show(doc::FIRST_OCTAVE, Some("-1"), Read::of(&model), &mut queue);
+        set_or_show(doc::FIRST_OCTAVE, Some("-1"), read, &mut queue);
         let Some(Action::Change(changes)) = queue.0.into_iter().next() else { panic!("it is set") };
-        assert_eq!(changes, [ParamChange::new(doc::FIRST_OCTAVE, -1)]);
+        assert_eq!(changes, [crate::detector::ParamChange::new(doc::FIRST_OCTAVE, -1)]);
         let wrong = Entry::Parameter(doc::FIRST_OCTAVE, Some("99".to_owned()));
-        assert!(
-            found_by("first octave 99", Read::of(&model)).contains(&wrong) && !is_possible(&wrong, Read::of(&model))
-        );
+        assert!(found_by("first octave 99", read).contains(&wrong) && !is_possible(&wrong, read));
         // What is not possible now is there, after what is, with the reason.
-        let swap = found_by("swap a and b", Read::of(&model));
+        let swap = found_by("swap a and b", read);
         assert_eq!(swap, [Entry::Action(A::SwapSides)]);
-        assert!(!is_possible(&swap[0], Read::of(&model)));
-        assert_eq!(why_not(A::SwapSides.action(), Read::of(&model)), "open a burst first");
+        assert!(!is_possible(&swap[0], read));
+        assert_eq!(why_not(A::SwapSides.action(), read), "open a burst first");
         opening::take_burst(&mut model, bench::open((64, 48), 5));
         assert_eq!(why_not(A::SwapSides.action(), Read::of(&model)), "open a second burst first");
     }

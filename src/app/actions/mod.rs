@@ -8,8 +8,6 @@ pub use crate::app::document::Queue;
 pub use registry::{ACTIONS, ActionId, ActionRow, Menu, checked, enabled, shown_by, workspaces};
 
 use crate::app::results::Read;
-use crate::app::words::explained;
-use crate::teach::glossary::{Word, glossary};
 use egui::Response;
 
 /// Text of a shortcut: `Ctrl+O`, `[`, `?`.
@@ -25,15 +23,6 @@ pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> Stri
     }
 }
 
-impl ActionId {
-    pub fn word(self) -> Option<&'static Word> {
-        match self {
-            Self::LayoutSlice => glossary().of_picture("slice"),
-            _ => glossary().of_picture(self.shown()?.key()),
-        }
-    }
-}
-
 pub fn tooltip(ctx: &egui::Context, action: &ActionRow) -> String {
     match &action.shortcut {
         Some(shortcut) => format!("{}  ({})", action.help, keys_text(ctx, shortcut)),
@@ -42,13 +31,11 @@ pub fn tooltip(ctx: &egui::Context, action: &ActionRow) -> String {
 }
 
 pub fn button_ui(ui: &mut egui::Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, label: Option<&str>) -> Response {
-    let action = id.action();
-    let text = label.unwrap_or(action.label);
-    let on = checked(id, model).unwrap_or(false);
-    let button = egui::Button::selectable(on, text).frame_when_inactive(true);
+    let (action, on) = (id.action(), checked(id, model).unwrap_or(false));
+    let button = egui::Button::selectable(on, label.unwrap_or(action.label)).frame_when_inactive(true);
     let response = ui.add_enabled(enabled(id, model), button);
     let tip = tooltip(ui.ctx(), action);
-    let response = explained(response, &tip, id.word()).on_disabled_hover_text(&tip);
+    let response = crate::app::words::explained(response, &tip, id.word()).on_disabled_hover_text(&tip);
     queue.push_if(response.clicked(), id);
     response
 }
@@ -63,9 +50,6 @@ pub fn take_shortcuts(ctx: &egui::Context, model: Read<'_>, queue: &mut Queue) {
             let held = [shortcut.modifiers.shift, shortcut.modifiers.command, shortcut.modifiers.alt];
             (std::cmp::Reverse(held.map(u8::from).iter().sum::<u8>()), *id == ActionId::Cancel)
         });
-        let opens = |id: ActionId| {
-            id.action().label.ends_with('…') || matches!(id, ActionId::Shortcuts | ActionId::About | ActionId::Glossary)
-        };
         for (id, shortcut) in with_keys {
             let plain = !shortcut.modifiers.command && !shortcut.modifiers.alt;
             if (plain && plain_keys_are_taken) || !enabled(id, model) {
@@ -76,7 +60,9 @@ pub fn take_shortcuts(ctx: &egui::Context, model: Read<'_>, queue: &mut Queue) {
             std::iter::repeat_n(id, presses).for_each(|id| queue.push(id));
         }
         // Keys pressed after the one that opens a dialog, in the same pass, are meant for the dialog.
-        let opener = queue.asked().find(|id| opens(*id));
+        let opener = queue.asked().find(|id| {
+            id.action().label.ends_with('…') || matches!(id, ActionId::Shortcuts | ActionId::About | ActionId::Glossary)
+        });
         opener.into_iter().for_each(|id| queue.replace(id));
     });
 }

@@ -16,6 +16,7 @@ use crate::matching::MatchParams;
 use crate::requests::{BurstSource, ProbeQuestion, ViewKind, Which};
 use crate::synth::Example;
 use crate::teach::Workspace;
+use crate::teach::glossary::{Word, glossary};
 use egui::{Key, KeyboardShortcut, Modifiers, ThemePreference};
 use serde::{Deserialize, Serialize};
 use strum::{EnumCount, IntoStaticStr, VariantArray};
@@ -148,6 +149,13 @@ impl ActionId {
 
     pub fn action(self) -> &'static ActionRow {
         ACTIONS.iter().find(|a| a.id == self).expect("the macro below makes a row for each id")
+    }
+
+    pub fn word(self) -> Option<&'static Word> {
+        match self {
+            Self::LayoutSlice => glossary().of_picture("slice"),
+            _ => glossary().of_picture(self.shown()?.key()),
+        }
     }
 }
 

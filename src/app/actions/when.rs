@@ -1,7 +1,7 @@
 //! When actions are possible, and whether they are on: what rows of the table have in common.
 
 use crate::app::document::panes::Tool;
-use crate::app::document::{Reference, Side};
+use crate::app::document::{Document, Reference, Side};
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::{MAX_PANES, Over};
 use crate::app::results::{Read, Slot};
@@ -38,8 +38,8 @@ pub fn many_panes(model: Read<'_>) -> bool {
 }
 
 pub fn has_room(model: Read<'_>) -> bool {
-    let has_panes = model.document.workspace.needs_burst();
-    has_burst(model) && has_panes && model.document.panes.shown().len() < MAX_PANES
+    let Document { workspace, panes, .. } = model.document;
+    has_burst(model) && workspace.needs_burst() && panes.shown().len() < MAX_PANES
 }
 
 pub fn flips(model: Read<'_>) -> bool {
@@ -116,8 +116,7 @@ pub fn can_export_database(model: Read<'_>) -> bool {
 }
 
 pub fn can_be_cut(model: Read<'_>) -> bool {
-    let is_in_files = |source: &BurstSource| matches!(source, BurstSource::Paths(_));
-    model.burst_of(Side::A).is_some_and(|open| is_in_files(&open.source)) && model.frame_count() > 1
+    model.burst_of(Side::A).is_some_and(|open| matches!(open.source, BurstSource::Paths(_))) && model.frame_count() > 1
 }
 
 pub fn draws_features(model: Read<'_>) -> bool {

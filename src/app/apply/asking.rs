@@ -71,20 +71,17 @@ impl Part for PanePictures {
     }
 
     fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
-        let pictures = &mut pass.model.results.pictures;
-        for shown in pictures.values_mut() {
+        let mut all_ended = Vec::new();
+        for (id, shown) in &mut pass.model.results.pictures {
             // The first picture sets the range of values, which a preview must not.
             let is_new = |preview: &PictureAnswer| {
                 let class = |picture: &PictureAnswer| RangeClass::of(&picture.request);
                 shown.picture.as_ref().is_some_and(|picture| class(picture) == class(preview))
             };
-            let previews = shown.wanted.take_partial();
-            shown.preview = previews.into_iter().rfind(is_new).or(shown.preview.take());
+            shown.preview = shown.wanted.take_partial().into_iter().rfind(is_new).or(shown.preview.take());
+            all_ended.extend(shown.wanted.take().into_iter().map(|ended| (*id, ended)));
         }
-        let taken = pictures.iter_mut().map(|(id, shown)| (*id, shown.wanted.take()));
-        for (id, ended) in
-            taken.collect::<Vec<_>>().into_iter().flat_map(|(id, all)| all.into_iter().map(move |ended| (id, ended)))
-        {
+        for (id, ended) in all_ended {
             match ended.result {
                 Ok(picture) => panes::take_picture(pass.model, id, picture),
                 Err(JobError::Cancelled) => pass.model.results.pictures.entry(id).or_default().wanted.forget(),
@@ -99,9 +96,8 @@ impl Part for PanePictures {
     /// detection in their burst, from which they may be made.
     fn ask(&self, pass: &mut Pass<'_>) {
         let model = &mut *pass.model;
-        let focus = model.document.focus();
         let mut ids = model.document.panes.shown();
-        ids.sort_by_key(|id| *id != focus);
+        ids.sort_by_key(|id| *id != model.document.focus());
         for id in ids {
             let Some(wanted) = Read::of(model).wanted(id).filter(|_| !Read::of(model).is_current(id)) else { continue };
             let side = model.document.panes.get(id).map_or(Side::A, |pane| pane.side);
@@ -156,9 +152,8 @@ impl Part for Methods {
         methods::share_what_is_found(model);
         let opening = model.results.compare.opening_gold.both();
         let is_busy = model.results.compare.wanted.is_pending() || opening.iter().any(|gold| gold.is_pending());
-        let job =
-            Read::of(model).next_compare_job().filter(|_| !pass.dragging && model.document.auto_detect && !is_busy);
-        if let Some(job) = job {
+        let asks = !pass.dragging && model.document.auto_detect && !is_busy;
+        if let Some(job) = Read::of(model).next_compare_job().filter(|_| asks) {
             model.results.compare.wanted.ask(pass.engine, job.request.clone());
             model.results.compare.asked = Some(job);
         }
@@ -270,7 +265,6 @@ mod tests {
     use super::*;
     use crate::app::apply::bench::Bench;
     use crate::app::apply::opening;
-    use crate::app::results::Stale;
     use crate::detector::{NoiseGate, SlopeGrid};
     use crate::requests::BurstSource;
     use crate::synth::Example;
@@ -310,9 +304,8 @@ mod tests {
         assert_eq!(dragged(|model| model.document.params.noise_gate = NoiseGate::Factor(3.0)), (false, all, false));
         assert_eq!(dragged(|model| model.document.params.noise_gate = NoiseGate::Auto), (false, all, true));
         assert!(!dragged(|model| model.document.params.slopes = SlopeGrid::line(-0.8..=0.8, 3).into()).0);
-        let (asks, _, is_current) =
-            dragged(|model| model.document.params.slopes = SlopeGrid::line(-1.0..=2.0, 4).into());
-        assert!(asks && is_current, "one more slope is searched while the end is dragged");
+        let wider = dragged(|model| model.document.params.slopes = SlopeGrid::line(-1.0..=2.0, 4).into());
+        assert!(wider.0 && wider.2, "one more slope is searched while the end is dragged");
     }
 
     #[test]
@@ -321,15 +314,13 @@ mod tests {
         bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 13, -3.0..=3.0, 13).into();
         bench.run_until(|model, _| model.results.slots.a.found.is_some());
         let found = bench.model.results.slots.a.found.clone().expect("found");
-        assert_eq!(bench.read().stale(), Some(Stale::FirstSlope));
+        assert_eq!(bench.read().stale(), Some(crate::app::results::Stale::FirstSlope));
         assert!(bench.model.results.slots.a.detecting.is_pending());
         assert!(!bench.read().features_are_current(Side::A));
         assert_eq!(found.detection.slopes, SlopeGrid::single(bench.model.document.cursor().slope), "it is on show");
         assert!(found.judgement.is_none() && found.advice.is_none(), "one slope tells nothing about the range");
-        assert!(
-            bench.read().found_source(Side::A).is_none(),
-            "nothing is asked of features that no search finds alone"
-        );
+        let source = bench.read().found_source(Side::A);
+        assert!(source.is_none(), "nothing is asked of features that no search finds alone");
         bench.settle();
         assert!(bench.read().features_are_current(Side::A) && bench.read().stale().is_none());
         let first = found.detection.features.len();

@@ -4,8 +4,7 @@
 use crate::app::apply::{asking, change, detection, opening, pair, panes, params};
 use crate::app::document::{Document, Ranges, Side};
 use crate::app::pane::{PaneId, Preset};
-use crate::app::results::*;
-use crate::app::results::{Model, Read};
+use crate::app::results::{Effect, Model, Read};
 use crate::burst::Burst;
 use crate::detector::{Detection, DetectorParams, Feature, SearchParams, Slope, SlopeGrid, StageTimes, Tally};
 use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
@@ -13,7 +12,6 @@ use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::requests::{BurstSource, Detected, OpenBurst, PictureAnswer, PictureKind, PictureRequest, Request, Work};
 use crate::synth::ChartParams;
-use crate::teach::Workspace;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -58,12 +56,12 @@ impl Bench {
             let discs = ChartParams { width, height: 72, discs: 5, radius: 3.0..=5.0, ..ChartParams::default() };
             let chart = ChartParams { frames: 5, max_slope: 1.0, snr: 20.0, seed, ..discs };
             let source = BurstSource::Chart(Box::new(chart));
-            source.open(&Default::default(), &crate::Monitor::default()).expect("valid")
+            source.open(&Default::default(), &Monitor::default()).expect("valid")
         };
         let mut bench = Self::new();
         opening::take_burst(&mut bench.model, chart(120, 1));
         pair::take_second_burst(&mut bench.model, chart(96, 2));
-        bench.model.document.open_workspace(Workspace::Pair);
+        bench.model.document.open_workspace(crate::teach::Workspace::Pair);
         bench.settle();
         bench
     }
@@ -168,11 +166,8 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
     let mut model = with_features();
     model.document.selected = Some(0);
     opening::take_burst(&mut model, open((40, 40), 1));
-    assert!(
-        model.results.slots.a.found.is_none()
-            && model.document.selected.is_none()
-            && Read::of(&model).picture().is_none()
-    );
+    let read = Read::of(&model);
+    assert!(read.found_of(Side::A).is_none() && read.document.selected.is_none() && read.picture().is_none());
     assert_eq!(model.results.slots.a.param_error.as_ref().map(|e| e.subject.as_str()), Some("frames"));
     let wanted = Read::of(&model).wanted(model.document.focus()).expect("open");
     assert!(wanted.compute(&Work::alone(&Monitor::default())).is_ok());
@@ -233,15 +228,14 @@ fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it
 fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range() {
     let mut model = with_features();
     panes::lay_out(&mut model, Preset::ThreeSlopes);
-    let slopes =
-        |model: Read<'_>| -> Vec<f32> { model.document.panes.each_shown().map(|pane| pane.cursor.slope.u).collect() };
-    assert_eq!(slopes(Read::of(&model)), [0.0, 1.0, 2.0]);
+    let slopes = |model: &Model| -> Vec<f32> { model.document.panes.each_shown().map(|p| p.cursor.slope.u).collect() };
+    assert_eq!(slopes(&model), [0.0, 1.0, 2.0]);
     opening::take_burst(&mut model, open((40, 30), 3));
-    assert_eq!(slopes(Read::of(&model)), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
+    assert_eq!(slopes(&model), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
     model.document.show_slope(model.document.focus(), Slope::new(100.0, 0.0));
     params::check_params(&mut model);
     let limit = crate::app::document::cursor::slope_limit(&model.results.slots.a.usable_params.slopes);
-    assert_eq!(slopes(Read::of(&model)), [limit - 1.0, limit, limit + 1.0]);
+    assert_eq!(slopes(&model), [limit - 1.0, limit, limit + 1.0]);
     let last = model.document.panes.shown()[2];
     let PictureKind::Stack { slope } = Read::of(&model).wanted(last).expect("open").kind else { panic!("a stack") };
     assert_eq!(slope.u, limit, "what is beyond is shown at the rim");

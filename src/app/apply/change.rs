@@ -6,7 +6,6 @@ use crate::app::canvas::overlay::ColourBy;
 use crate::app::document::filter::neighbour;
 use crate::app::document::method::plane_of;
 use crate::app::document::{Destination, Document, Reference, Side, Visibility};
-use crate::app::pane::Pane;
 use crate::app::results::{Model, Read};
 use crate::detector::{Feature, Method};
 use crate::engine::Engine;
@@ -65,18 +64,17 @@ pub fn show_truth(model: &mut Model, _: &Engine) {
 }
 
 pub fn toggle_left(model: &mut Model, _: &Engine) {
-    if Read::of(model).shows_left() {
-        model.document.panels.left = Visibility::Closed;
-    } else {
-        panes::open_left(model);
+    match Read::of(model).shows_left() {
+        true => model.document.panels.left = Visibility::Closed,
+        false => panes::open_left(model),
     }
 }
 
 pub fn select_next(model: &mut Model, forward: bool) {
     explained::refresh_listed(model);
     pair::refresh_listed_matches(model);
-    let row = neighbour(Read::of(model).listed(), model.document.selected_row(), forward);
-    model.document.select_row(row);
+    let listed = Read::of(model).listed();
+    model.document.select_row(neighbour(listed, model.document.selected_row(), forward));
 }
 
 pub fn select_first(model: &mut Model, _: &Engine) {
@@ -95,7 +93,7 @@ pub fn go_to_busiest_slope(model: &mut Model, _: &Engine) {
     model.document.playing = false;
     let note = detection::go_to_busiest_slope(model, focus);
     note.into_iter().for_each(|note| model.shell.messages.note(note));
-    model.document.lead(focus, Pane::show_slope);
+    model.document.lead(focus, crate::app::pane::Pane::show_slope);
 }
 
 pub fn colour_next(document: &mut Document) {
@@ -104,6 +102,6 @@ pub fn colour_next(document: &mut Document) {
 }
 
 pub fn search_plane(model: &mut Model, _: &Engine) {
-    let plane = plane_of(Read::of(model).grid_of(Side::A));
-    (model.document.params.method, model.document.params.slopes) = (Method::Buff, plane.into());
+    let slopes = plane_of(Read::of(model).grid_of(Side::A)).into();
+    (model.document.params.method, model.document.params.slopes) = (Method::Buff, slopes);
 }

@@ -4,7 +4,6 @@ use crate::app::document::{Compared, FeaturesShown, PairTab, Reference, Side};
 use crate::app::results::{ComparisonResults, Model, Read};
 use crate::engine::Ended;
 use crate::requests::ComparisonRequest;
-use std::path::PathBuf;
 
 pub(super) fn compare_with(model: &mut Model, side: Side, with: Option<Reference>) {
     let (set, results) = (&mut model.document.comparisons[side], &mut model.results.slots[side].comparison);
@@ -33,7 +32,7 @@ pub fn pin_result(model: &mut Model, side: Side) {
     }
 }
 
-pub fn lay_over(model: &mut Model, side: Side, path: PathBuf) {
+pub fn lay_over(model: &mut Model, side: Side, path: std::path::PathBuf) {
     if model.results.slots[side].burst.is_some() {
         model.results.slots[side].comparison.file = None;
         model.document.comparisons[side].file = Some(path);
@@ -65,9 +64,8 @@ pub fn select_row(model: &mut Model, side: Side, row: Option<usize>) {
 
 pub(super) fn take_comparison(model: &mut Model, side: Side, ended: Ended<ComparisonRequest>) {
     let is_wanted = Read::of(model).wanted_comparison(side).is_some_and(|wanted| wanted == ended.request);
-    let (set, results) = (&mut model.document.comparisons[side], &mut model.results.slots[side].comparison);
     if let Some(compared) = ended.result.ok().filter(|_| is_wanted) {
-        results.take(compared, set);
+        model.results.slots[side].comparison.take(compared, &mut model.document.comparisons[side]);
     }
 }
 
@@ -101,35 +99,30 @@ pub fn show_comparison(model: &mut Model, side: Side, with: Option<Reference>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::apply::bench::Bench;
-    use crate::app::apply::pair;
-    use std::sync::Arc;
 
     #[test]
     fn either_burst_is_compared_with_its_own_truth_and_takes_the_comparison_along() {
-        let mut bench = Bench::with_two_charts();
+        let mut bench = crate::app::apply::bench::Bench::with_two_charts();
         show_comparison(&mut bench.model, Side::B, Some(Reference::Truth));
         assert!(bench.model.document.match_look.features, "the comparison is seen");
         bench.run_until(|model, _| model.shown_comparison(Side::B).is_some());
         assert!(bench.read().shown_comparison(Side::A).is_none());
         show_comparison(&mut bench.model, Side::A, Some(Reference::Truth));
         bench.run_until(|model, _| model.shown_comparison(Side::A).is_some());
-        let summaries =
-            |model: Read<'_>| Side::BOTH.map(|side| model.shown_comparison(side).map(|s| s.summary.clone()));
-        for side in Side::BOTH {
-            let (slot, shown) =
-                (&bench.model.results.slots[side], bench.read().shown_comparison(side).expect("there").clone());
-            assert!(Arc::ptr_eq(&shown.detection, &slot.found.as_ref().expect("found").detection));
+        let shown = |model: Read<'_>| Side::BOTH.map(|side| model.shown_comparison(side).expect("there").clone());
+        let [of_a, of_b] = shown(bench.read());
+        for (side, shown) in [(Side::A, &of_a), (Side::B, &of_b)] {
+            let slot = &bench.model.results.slots[side];
+            assert!(std::sync::Arc::ptr_eq(&shown.detection, &slot.found.as_ref().expect("found").detection));
             // All discs of the side's own chart are found or missed.
             let discs = shown.count(Compared::Same) + shown.count(Compared::Theirs);
             let truth = slot.burst.as_ref().expect("open").truth(&crate::Monitor::default()).expect("valid");
             assert_eq!(discs, truth.expect("a chart").features.len());
             assert!(shown.count(Compared::Same) > 0, "{}", shown.summary);
         }
-        let before = summaries(bench.read());
-        pair::swap_sides(&mut bench.model);
+        crate::app::apply::pair::swap_sides(&mut bench.model);
         bench.settle();
-        let [a, b] = summaries(bench.read());
-        assert_eq!([b, a], before);
+        let [a, b] = shown(bench.read());
+        assert_eq!((&b.summary, &a.summary), (&of_a.summary, &of_b.summary));
     }
 }

@@ -4,11 +4,9 @@
 use crate::app::apply::opening;
 use crate::app::document::{DatasetChoice, SavedSelection, Side, Sides};
 use crate::app::results::{Dataset, Effect, Model, Read, Work};
-use crate::dataset::DatasetSource;
 #[cfg(feature = "colmap")]
 use crate::dataset::{BurstCameras, CameraChoice, ColmapJob, FeatureJob, ImageKind};
 use crate::engine::{Ended, Engine};
-use crate::error::Error;
 use crate::inspect::words::counted;
 use crate::matching::PairSelection;
 use crate::requests::{BurstSource, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, OpenDataset};
@@ -35,15 +33,14 @@ pub(in crate::app) fn close_dataset(model: &mut Model) -> Effect {
 
 pub(in crate::app) fn cut_open_burst(model: &mut Model, length: usize, engine: &Engine) {
     if let Some(Effect::Cut(paths, _)) = Read::of(model).cut_of_open_burst() {
-        let source = DatasetSource { paths, burst_length: Some(length), burst_step: None };
+        let source = crate::dataset::DatasetSource { paths, burst_length: Some(length), burst_step: None };
         opening::look_at_dataset(model, source, None, model.document.calibration.clone(), engine);
     }
 }
 
 /// Finds the features of all bursts; where that replaces features of other parameters, the user is asked first.
 pub(in crate::app) fn ask_and_detect_all(model: &mut Model, engine: &Engine) -> Option<Effect> {
-    let params = Read::of(model).asked();
-    if model.results.datasets.open.as_ref().is_some_and(|dataset| dataset.would_replace(&params)) {
+    if model.results.datasets.open.as_ref().is_some_and(|dataset| dataset.would_replace(&Read::of(model).asked())) {
         return Some(Effect::ReplaceFeatures);
     }
     detect_all(model, engine);
@@ -104,17 +101,10 @@ pub(in crate::app) fn export_database(model: &mut Model, out: PathBuf, engine: &
 }
 
 pub(in crate::app) fn show_selected_pair(model: &mut Model, engine: &Engine) {
-    let (Some(dataset), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else { return };
+    let (Some(_), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else { return };
     let Sides { a: Some(a), b: Some(b) } = set.pair else { return };
-    let chosen = [(Side::A, a), (Side::B, b)].map(|(side, place)| {
-        let is_open = Read::of(model).place_of(side) == Some(place);
-        (side, is_open, dataset.source_at(place))
-    });
-    for (side, is_open, source) in chosen {
-        if let Some(source) = source.filter(|_| !is_open) {
-            opening::open(model, side, source, engine);
-        }
-    }
+    open_burst_at(model, Side::A, a, engine);
+    open_burst_at(model, Side::B, b, engine);
     model.document.open_workspace(Workspace::Pair);
 }
 
@@ -122,13 +112,13 @@ pub(in crate::app) fn step_burst(model: &mut Model, by: isize, engine: &Engine) 
     let Some(dataset) = &model.results.datasets.open else { return };
     let last = dataset.bursts.len() - 1;
     let here = Read::of(model).place_of(Side::A);
-    open_burst_at(model, here.map_or(0, |place| place.saturating_add_signed(by).min(last)), engine);
+    open_burst_at(model, Side::A, here.map_or(0, |place| place.saturating_add_signed(by).min(last)), engine);
 }
 
-pub(in crate::app) fn open_burst_at(model: &mut Model, place: usize, engine: &Engine) {
+pub(in crate::app) fn open_burst_at(model: &mut Model, side: Side, place: usize, engine: &Engine) {
     let source = model.results.datasets.open.as_ref().and_then(|dataset| dataset.source_at(place));
-    if let Some(source) = source.filter(|_| Read::of(model).place_of(Side::A) != Some(place)) {
-        opening::open(model, Side::A, source, engine);
+    if let Some(source) = source.filter(|_| Read::of(model).place_of(side) != Some(place)) {
+        opening::open(model, side, source, engine);
     }
 }
 
@@ -142,7 +132,7 @@ pub(in crate::app) fn look_at_camera(model: &mut Model, label: &str, feature: Op
                 model.document.selected = Read::of(model).find_again(&saved).filter(|_| is_open);
                 model.results.reselect = Some(saved).filter(|_| model.document.selected.is_none());
             }
-            open_burst_at(model, place, engine);
+            open_burst_at(model, Side::A, place, engine);
             model.document.open_workspace(Workspace::Inspect);
         }
         Some((None, name)) => {
@@ -223,22 +213,17 @@ fn take_dataset(model: &mut Model, open: OpenDataset, engine: &Engine) -> Vec<Ef
     }
     if let [first, rest @ ..] = &open.strays[..] {
         let more = if rest.is_empty() { String::new() } else { format!(" (and {} more)", rest.len()) };
-        let stray = Error::stray(first);
-        model.shell.messages.error("Open dataset", format!("{stray}{more}"));
+        model.shell.messages.error("Open dataset", format!("{}{more}", crate::error::Error::stray(first)));
     }
     let dataset = Dataset::new(open);
-    let (count, done) = (dataset.bursts.len(), dataset.counts().done);
-    model.shell.messages.note(format!(
-        "Opened {}: {}, {done} of them done",
-        dataset.source.label(),
-        counted(count, "burst")
-    ));
+    let (name, bursts) = (dataset.source.label(), counted(dataset.bursts.len(), "burst"));
+    model.shell.messages.note(format!("Opened {name}: {bursts}, {} of them done", dataset.counts().done));
     let recent = Effect::RecentDataset(dataset.source.clone());
     (model.results.datasets.open, model.results.datasets.exported) = (Some(dataset), None);
     model.document.panels.filmstrip = true;
     // A session opens its own burst.
     if Read::of(model).place_of(Side::A).is_none() && !is_set {
-        open_burst_at(model, 0, engine);
+        open_burst_at(model, Side::A, 0, engine);
     }
     vec![recent, Effect::ForgetThumbnails]
 }
@@ -246,8 +231,8 @@ fn take_dataset(model: &mut Model, open: OpenDataset, engine: &Engine) -> Vec<Ef
 fn say_what_was_found(model: &mut Model, seconds: f64) {
     let Some(dataset) = &model.results.datasets.open else { return };
     let counts = dataset.counts();
-    let mut text =
-        format!("{} done in {seconds:.1} s: {}", counted(counts.done, "burst"), counted(counts.features, "feature"));
+    let (bursts, features) = (counted(counts.done, "burst"), counted(counts.features, "feature"));
+    let mut text = format!("{bursts} done in {seconds:.1} s: {features}");
     if counts.failed > 0 {
         text += &format!("; {} failed, see the filmstrip", counts.failed);
     }
@@ -271,13 +256,10 @@ fn say_what_was_exported(model: &mut Model, done: &crate::requests::ColmapDone) 
     let folder = report.database.parent();
     model.results.datasets.exported = folder.map(|folder| (folder.into(), report.known_camera));
     let old = folder.and_then(crate::requests::old_model).map_or_else(String::new, |old| format!("; {old}"));
-    model.shell.messages.note(format!(
-        "Wrote {}: {}, {}, {verified} of them verified; {}{old}",
-        report.database.display(),
-        counted(report.images.len(), "image"),
-        counted(report.pairs.len(), "pair"),
-        report.no_start.as_deref().unwrap_or("Matches has the next step"),
-    ));
+    let (images, pairs) = (counted(report.images.len(), "image"), counted(report.pairs.len(), "pair"));
+    let (path, next) = (report.database.display(), report.no_start.as_deref().unwrap_or("Matches has the next step"));
+    let text = format!("Wrote {path}: {images}, {pairs}, {verified} of them verified; {next}{old}");
+    model.shell.messages.note(text);
     if let Some((name, why)) = done.left_out.first() {
         let others = match done.left_out.len() - 1 {
             0 => String::new(),

@@ -6,40 +6,32 @@ use crate::app::document::filter::at_slope;
 use crate::app::pane::PaneId;
 use crate::app::results::explained::SHORT_SECS;
 use crate::app::results::{FoundFeatures, Model, Read};
-use crate::app::view::fixed;
 use crate::engine::{Ended, Engine};
 use crate::inspect::slopes::{features_at_slopes, slope_with_most_features};
 use crate::requests::{DetectRequest, Detected};
 use std::time::Duration;
 
 pub fn start_detection(model: &mut Model, side: Side, engine: &Engine) {
-    if let Some(request) =
-        Read::of(model).detect_request(side).filter(|_| model.results.slots[side].param_error.is_none())
-    {
+    let request = Read::of(model).detect_request(side);
+    if let Some(request) = request.filter(|_| model.results.slots[side].param_error.is_none()) {
         model.results.slots[side].detecting.ask(engine, request);
     }
 }
 
 pub(super) fn take_features(model: &mut Model, side: Side, ended: Ended<DetectRequest>) {
-    match ended.result {
-        Ok(detected) => {
-            model.shell.messages.resolved(side.detection());
-            take_detection(model, side, detected, ended.elapsed);
-        }
-        Err(error) => model.shell.messages.failed(side.detection(), &error),
+    if let Some(detected) = model.shell.messages.outcome(ended.result, side.detection()) {
+        take_detection(model, side, detected, ended.elapsed);
     }
 }
 
 /// Shows the features of one slope of a long search, until all are there; not in place of others of the burst.
 pub(super) fn take_first_features(model: &mut Model, side: Side, first: Detected) {
-    let Some(burst) = Read::of(model).burst_of(side).filter(|burst| burst.id == first.burst) else { return };
-    if model.results.slots[side].found.is_some() {
-        return;
-    }
-    // One slope tells nothing about the range.
+    let is_first = model.results.slots[side].found.is_none();
+    let burst = Read::of(model).burst_of(side).filter(|burst| is_first && burst.id == first.burst);
+    let Some(burst) = burst else { return };
     let found = FoundFeatures::new(first, burst, Duration::ZERO);
-    let found = FoundFeatures { is_first_slope: true, advice: None, ..found };
-    model.results.slots[side].found = Some(found);
+    // One slope tells nothing about the range.
+    model.results.slots[side].found = Some(FoundFeatures { is_first_slope: true, advice: None, ..found });
     explained::refresh_listed(model);
     go_to_first_slope(model, side, None);
 }
@@ -94,7 +86,7 @@ pub fn go_to_busiest_slope(model: &mut Model, id: PaneId) -> Option<String> {
     let slope = grid.slope(index);
     let [_, own] = at_slope(&found.detection, slope);
     model.document.lead(id, |pane| pane.cursor.slope = slope);
-    let [u, v] = [slope.u, slope.v].map(|part| fixed(part, 2));
+    let [u, v] = [slope.u, slope.v].map(|part| crate::app::view::fixed(part, 2));
     let by_own = if own == count { String::new() } else { format!(", {own} by their own slope") };
     Some(format!("Most features ({count}) are at slope ({u}, {v}) px/frame{by_own}"))
 }

@@ -78,8 +78,7 @@ pub fn refresh_listed(model: &mut Model) {
     };
     let decoys = Read::of(model).decoys();
     // The slope on show matters only to the filter by slope.
-    let slope =
-        if model.document.filter.near_slope.is_some() { model.document.cursor().slope } else { Slope::default() };
+    let slope = model.document.filter.near_slope.map_or_else(Slope::default, |_| model.document.cursor().slope);
     let judged = model.results.coherence.of(&found.detection);
     let (filter, order, set_up) = (&model.document.filter, model.document.order, model.document.set_up.depths_by());
     let known = [judged.map(Itself::from), decoys.map(Itself::from)];

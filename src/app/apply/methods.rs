@@ -3,7 +3,7 @@
 
 use crate::app::document::{MethodId, Side};
 use crate::app::pane::{MethodsPreset, PaneGroup};
-use crate::app::results::{MethodFound, Model, Read};
+use crate::app::results::{FoundFeatures, MethodFound, Model, Read};
 use crate::burst::OpenOptions;
 use crate::engine::{Ended, Engine};
 use crate::requests::{BurstSource, Detected, OpenRequest};
@@ -27,12 +27,11 @@ pub(super) fn take_gold(model: &mut Model, side: Side, ended: Ended<OpenRequest>
 pub fn share_what_is_found(model: &mut Model) {
     for method in MethodId::ALL.into_iter().filter(|m| *m != MethodId::Gold) {
         for side in Side::BOTH {
-            if Read::of(model).method_found(method, side).is_some() {
-                continue;
-            }
-            let wanted = Read::of(model).method_params(method, side);
-            let shared = Read::of(model).whole_found_of(side).filter(|f| f.params == wanted).cloned();
-            if let (Some(found), Some(open)) = (shared, Read::of(model).burst_of(side)) {
+            let read = Read::of(model);
+            let is_missing = read.method_found(method, side).is_none();
+            let is_wanted = |f: &&FoundFeatures| is_missing && f.params == read.method_params(method, side);
+            let shared = read.whole_found_of(side).filter(is_wanted).cloned();
+            if let (Some(found), Some(open)) = (shared, read.burst_of(side)) {
                 let (elapsed, Detected { params, detection, .. }) = (found.elapsed, found.detected);
                 let found = MethodFound { burst: open.id, params, detection, elapsed };
                 model.results.compare.take_found(method, side, found);
@@ -54,8 +53,7 @@ pub fn refresh_workspace(model: &mut Model) {
     let before = std::mem::replace(&mut model.results.compare.arranged, now.clone());
     let has_pane = |method: &MethodId| model.document.panes.each_shown().any(|pane| pane.method == Some(*method));
     if before.is_empty() && !now.iter().any(has_pane) {
-        lay_out_methods(model, MethodsPreset::Panes);
-        return;
+        return lay_out_methods(model, MethodsPreset::Panes);
     }
     let both = Read::of(model).burst_of(Side::B).is_some();
     now.iter().for_each(|method| model.document.panes.add_method(*method, both));
@@ -77,7 +75,6 @@ pub fn lay_out_methods(model: &mut Model, preset: MethodsPreset) {
 mod tests {
     use super::*;
     use crate::app::apply::bench::open;
-    use crate::app::apply::opening;
     use crate::app::apply::pair::tests::pair;
     use crate::app::document::CompareLook;
     use crate::app::results::Matches;
@@ -135,7 +132,7 @@ mod tests {
         model.document.params.slopes = crate::detector::SlopeGrid::line(-3.0..=3.0, 9).into();
         let again = do_all(&mut model);
         assert!(again.iter().any(|(method, _)| *method == MethodId::Buff2d), "{again:?}");
-        opening::take_burst(&mut model, open((64, 48), 5));
+        crate::app::apply::opening::take_burst(&mut model, open((64, 48), 5));
         assert!(Read::of(&model).method_found(MethodId::Sift, Side::A).is_none());
     }
 

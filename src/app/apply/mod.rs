@@ -22,11 +22,9 @@ mod tests;
 
 use crate::app::actions::registry::{ActionId, Does};
 use crate::app::document::panes::Change;
-use crate::app::document::{Action, Pointed, Side, Visibility};
+use crate::app::document::{Action, Pointed, Side};
 use crate::app::results::{Effect, Model, Read};
-use crate::burst::OpenOptions;
 use crate::engine::Engine;
-use crate::teach::BottomTab;
 
 /// Applies an action. It is a step to undo, or a part of one, where it changes settings that undo covers.
 pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
@@ -55,7 +53,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::OpenDataset(source) => {
             let mut options = model.document.calibration.clone();
             if Read::of(model).settings_are_of(Side::A).is_some() {
-                options = options.with_burst_of(&OpenOptions::default());
+                options = options.with_burst_of(&crate::burst::OpenOptions::default());
             }
             opening::look_at_dataset(model, source, None, options, engine);
         }
@@ -63,11 +61,11 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::OpenGold(side, source) => methods::open_gold(model, side, source, engine),
         A::OpenFeatures(side, path) => {
             comparison::lay_over(model, side, path);
-            model.document.bottom_tab = BottomTab::Compared;
+            model.document.bottom_tab = crate::teach::BottomTab::Compared;
         }
         A::OpenTrajectory(which, path) => studies::open_trajectory(model, which, Some(path), engine),
         A::CloseTrajectory(which) => studies::open_trajectory(model, which, None, engine),
-        A::OpenBurstAt(place) => datasets::open_burst_at(model, place, engine),
+        A::OpenBurstAt(place) => datasets::open_burst_at(model, Side::A, place, engine),
         A::CutOpenBurst(length) => datasets::cut_open_burst(model, length, engine),
         A::Calibrate(options) => return vec![opening::calibrate(model, options, engine)],
         A::TakeLeftBehind(uses) => opening::take_left_behind(model, uses, engine),
@@ -83,14 +81,12 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
             model.results.coherence.try_again();
         }
         A::ToggleTab(tab) => {
-            model.document.panels.bottom =
-                Visibility::from(!Read::of(model).shows_bottom() || model.document.bottom_tab != tab);
-            model.document.bottom_tab = tab;
+            let opens = !Read::of(model).shows_bottom() || model.document.bottom_tab != tab;
+            (model.document.panels.bottom, model.document.bottom_tab) = (opens.into(), tab);
         }
         A::SetPairTab(tab) => {
-            model.document.panels.bottom =
-                Visibility::from(!Read::of(model).shows_bottom() || model.document.pair_tab != tab);
-            model.document.pair_tab = tab;
+            let opens = !Read::of(model).shows_bottom() || model.document.pair_tab != tab;
+            (model.document.panels.bottom, model.document.pair_tab) = (opens.into(), tab);
         }
         A::UseFrames(count) => panes::use_frames(model, count),
         A::ApplyChanges(side, changes) => explained::apply_advice(model, side, &changes),

@@ -5,11 +5,8 @@ use crate::app::document::{Cursor, Filter, Side};
 use crate::app::results::{Effect, Model, Own, Read, Work};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
-use crate::detector::Slopes;
 use crate::engine::{Ended, Engine};
 use crate::requests::{BurstSource, DatasetRequest, JobError, JobId, OpenBurst, OpenRequest};
-use crate::teach::Workspace;
-use std::path::PathBuf;
 
 /// Takes a burst that was opened, or says why it was not. With `is_restoring` a session goes on with it.
 #[must_use]
@@ -25,7 +22,7 @@ pub(in crate::app) fn take_opening(
         Ok(burst) => {
             let recent = take_opened(model, side, burst, options, engine);
             if side == Side::B && !is_restoring {
-                model.document.open_workspace(Workspace::Pair);
+                model.document.open_workspace(crate::teach::Workspace::Pair);
             }
             return recent.into_iter().collect();
         }
@@ -64,19 +61,12 @@ fn take_opened(
     engine: &Engine,
 ) -> Option<Effect> {
     let dataset = model.results.datasets.open.as_ref().filter(|dataset| dataset.place_of(&burst.source).is_some());
-    let recent = match dataset {
-        Some(dataset) => {
-            dataset.name_as_here(&mut burst);
-            None
-        }
-        None => Some(Effect::Recent(burst.source.clone())),
-    };
+    let recent = dataset.is_none().then(|| Effect::Recent(burst.source.clone()));
+    dataset.into_iter().for_each(|dataset| dataset.name_as_here(&mut burst));
     model.shell.messages.resolved(side.opening());
     let before = Read::of(model).burst_of(side).map(|open| open.source.clone());
     let is_again = before.as_ref() == Some(&burst.source);
-    if !is_again {
-        model.results.left_behind = None;
-    }
+    model.results.left_behind.take_if(|_| !is_again);
     leave_behind(model, side);
     model.results.slots[side].refused = None;
     match side {
@@ -165,7 +155,7 @@ pub(super) fn leave_behind(model: &mut Model, side: Side) {
         model.document.params.frames = None;
     }
     if own.slopes.is_some() && own.slopes == now.slopes {
-        model.document.params.slopes = Slopes::AUTO;
+        model.document.params.slopes = crate::detector::Slopes::AUTO;
     }
     if !own.filter.is_open() && own.filter == now.filter {
         model.document.filter = Filter::default();
@@ -220,7 +210,7 @@ pub(in crate::app) fn calibrate(model: &mut Model, options: OpenOptions, engine:
 pub(in crate::app) fn look_at_dataset(
     model: &mut Model,
     source: DatasetSource,
-    folder: Option<PathBuf>,
+    folder: Option<std::path::PathBuf>,
     open: OpenOptions,
     engine: &Engine,
 ) {

@@ -7,7 +7,6 @@ use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::pair::lost::{CANDIDATES, LostFeatures, Why};
 use crate::app::results::{Matches, Model, Read, Slot};
 use crate::engine::{Ended, Engine};
-use crate::inspect::pair::Losses;
 use crate::requests::{LossesRequest, MatchRequest, OpenBurst, are_stacked};
 use std::sync::Arc;
 
@@ -87,13 +86,9 @@ pub(super) fn begin_panes_of_b(model: &mut Model) {
 }
 
 pub(super) fn take_matches(model: &mut Model, ended: Ended<MatchRequest>) {
-    match ended.result {
-        Ok(matched) => {
-            model.shell.messages.resolved("Matching");
-            take_made_matches(model, Matches::new(matched, ended.elapsed));
-            refresh_listed_matches(model);
-        }
-        Err(error) => model.shell.messages.failed("Matching", &error),
+    if let Some(matched) = model.shell.messages.outcome(ended.result, "Matching") {
+        take_made_matches(model, Matches::new(matched, ended.elapsed));
+        refresh_listed_matches(model);
     }
 }
 
@@ -184,9 +179,8 @@ pub fn refresh_why(model: &mut Model) {
             if old.is_some_and(|why| why.feature == feature && why.of == found.request) {
                 return;
             }
-            let losses = Losses::again(found.request.pair(), found.nearest.clone());
-            let unmatched = Arc::new(losses.of(feature, CANDIDATES));
-            Some(Why { feature, of: found.request.clone(), unmatched })
+            let losses = crate::inspect::pair::Losses::again(found.request.pair(), found.nearest.clone());
+            Some(Why { feature, of: found.request.clone(), unmatched: Arc::new(losses.of(feature, CANDIDATES)) })
         }
         _ => None,
     };
@@ -198,10 +192,8 @@ pub(in crate::app) mod tests {
     use super::*;
     use crate::app::apply::bench::{detected, feature, open};
     use crate::app::apply::{detection, opening};
-    use crate::app::document::SavedMatch;
     use crate::app::results::pair::*;
     use crate::detector::{Detection, FrameRange, Method};
-    use crate::monitor::Monitor;
     use crate::teach::Workspace;
     use std::time::Duration;
 
@@ -216,9 +208,8 @@ pub(in crate::app) mod tests {
         let at = |du: f32| -> Vec<_> {
             (0..4).map(|i| feature(8.0 + 12.0 * i as f32 + du, 10.0 + 7.0 * i as f32, i, &grid)).collect()
         };
-        let params = model.document.params.clone();
         for (side, burst, du) in [(Side::A, a, 0.0), (Side::B, b, 2.0)] {
-            let mut found = detected(&burst, &params, at(du));
+            let mut found = detected(&burst, &model.document.params, at(du));
             let mut detection = Detection::clone(&found.detection);
             for (i, descriptor) in detection.descriptors.iter_mut().enumerate() {
                 descriptor[10 * i] = 200;
@@ -231,7 +222,7 @@ pub(in crate::app) mod tests {
 
     fn make_matches(model: &mut Model) {
         let request = Read::of(model).wanted_matches().expect("both sides have features");
-        let matched = request.matched(&Monitor::default()).expect("valid");
+        let matched = request.matched(&crate::monitor::Monitor::default()).expect("valid");
         take_made_matches(model, Matches::new(matched, Duration::ZERO));
     }
 
@@ -256,10 +247,9 @@ pub(in crate::app) mod tests {
             model.document.open_workspace(Workspace::Pair);
             for side in [last.other(), last] {
                 let burst = open((150, 60), 5);
-                if side == Side::A {
-                    opening::take_burst(&mut model, burst);
-                } else {
-                    take_second_burst(&mut model, burst);
+                match side {
+                    Side::A => opening::take_burst(&mut model, burst),
+                    Side::B => take_second_burst(&mut model, burst),
                 }
             }
             model.document.panes.clone()
@@ -277,7 +267,7 @@ pub(in crate::app) mod tests {
         make_matches(&mut model);
         assert_eq!(model.document.selected_match, Some(2));
         assert_eq!(Read::of(&model).saved_match(), Some(place));
-        let moved = SavedMatch { a: [place.a[0] + 3.0, place.a[1]], ..place };
+        let moved = crate::app::document::SavedMatch { a: [place.a[0] + 3.0, place.a[1]], ..place };
         assert_eq!(model.results.pair.matches.as_ref().and_then(|m| m.find_again(&moved)), None);
     }
 

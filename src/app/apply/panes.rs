@@ -3,12 +3,11 @@
 use crate::app::apply::{methods, params};
 use crate::app::document::cursor::back_and_forth;
 use crate::app::document::panes::Change;
-use crate::app::document::{Action, Cursor, Document, PlayOver, RangeClass, Side, Visibility};
+use crate::app::document::{Action, Cursor, PlayOver, RangeClass, Side, Visibility};
 use crate::app::pane::{Content, PaneId, Preset};
 use crate::app::results::panes::Play;
 use crate::app::results::pictures::PatchResults;
 use crate::app::results::{Model, Read};
-use crate::app::view::View;
 use crate::detector::FrameRange;
 use crate::engine::Ended;
 use crate::requests::{PictureAnswer, PictureRequest, ViewKind};
@@ -83,20 +82,17 @@ pub(in crate::app) fn forget_asked_pictures(model: &mut Model) {
 /// Takes a motion stack from which patches are cut, and forgets those from which none are any more.
 pub fn take_stack(model: &mut Model, ended: Ended<PictureRequest>) {
     let wanted = Read::of(model).stacks_of_patches();
-    let stack = model.shell.messages.answer(ended.result, "Patches");
-    model.results.patches.stacks.retain(|(request, _)| wanted.contains(request));
-    model.results.patches.stacks.push((ended.request, stack));
+    let stacks = &mut model.results.patches.stacks;
+    stacks.retain(|(request, _)| wanted.contains(request));
+    stacks.push((ended.request, model.shell.messages.answer(ended.result, "Patches")));
 }
 
 /// Takes the picture of a pane, unless it is of another burst than the one that the pane shows now.
 pub fn take_picture(model: &mut Model, id: PaneId, picture: PictureAnswer) {
-    let Some(pane) = model.document.panes.get(id) else { return };
-    if !Read::of(model).fits(pane, &picture) {
+    if !model.document.panes.get(id).is_some_and(|pane| Read::of(model).fits(pane, &picture)) {
         return;
     }
-    let Document { panes, look, .. } = &mut model.document;
-    let Some(pane) = panes.get_mut(id) else { return };
-    pane.own_ranges.as_mut().unwrap_or(&mut look.ranges).propose(&picture);
+    model.document.ranges_mut(id).propose(&picture);
     let shown = model.results.pictures.entry(id).or_default();
     (shown.picture, shown.preview) = (Some(picture), None);
     settle_ranges(model);
@@ -105,9 +101,7 @@ pub fn take_picture(model: &mut Model, id: PaneId, picture: PictureAnswer) {
 /// Lets another picture set the range that the picture of a pane set: that of a slope at which all may be smeared.
 pub(super) fn forget_range_of(model: &mut Model, id: PaneId) {
     let Some(picture) = Read::of(model).picture_in(id).cloned() else { return };
-    let Document { panes, look, .. } = &mut model.document;
-    let own = panes.get_mut(id).and_then(|pane| pane.own_ranges.as_mut());
-    own.unwrap_or(&mut look.ranges).forget_that_of(&picture);
+    model.document.ranges_mut(id).forget_that_of(&picture);
 }
 
 pub fn lay_out(model: &mut Model, preset: Preset) {
@@ -123,25 +117,19 @@ pub fn lay_out(model: &mut Model, preset: Preset) {
 /// A pane's own range is set from its picture, a shared one from the pane in focus or the first of this class.
 pub fn settle_ranges(model: &mut Model) {
     let mut led = Vec::new();
-    let focus = model.document.focus();
     let mut ids = model.document.panes.shown();
-    ids.sort_by_key(|id| *id != focus);
+    ids.sort_by_key(|id| *id != model.document.focus());
     for id in ids {
-        let Some(wanted) = Read::of(model).wanted(id) else { continue };
-        let class = RangeClass::of(&wanted);
+        let Some(class) = Read::of(model).wanted(id).map(|wanted| RangeClass::of(&wanted)) else { continue };
+        let shares = model.document.panes.get(id).is_some_and(|pane| pane.own_ranges.is_none());
         let is_current = Read::of(model).is_current(id);
-        let Document { panes, look, .. } = &mut model.document;
-        let Some(pane) = panes.get_mut(id) else { continue };
-        let own = pane.own_ranges.as_mut();
         let shown = model.results.pictures.get(&id);
-        if shown.is_some_and(|shown| shown.wanted.failure().is_some()) || (own.is_none() && led.contains(&class)) {
+        if shown.is_some_and(|shown| shown.wanted.failure().is_some()) || (shares && led.contains(&class)) {
             continue;
         }
-        if own.is_none() {
-            led.push(class);
-        }
+        led.extend(shares.then_some(class));
         if let Some(picture) = shown.and_then(|shown| shown.picture.as_ref()).filter(|_| is_current) {
-            own.unwrap_or(&mut look.ranges).fix_once(picture);
+            model.document.ranges_mut(id).fix_once(picture);
         }
     }
 }
@@ -157,7 +145,7 @@ pub(crate) fn start_panes(model: &mut Model, side: Side, begin: impl Fn(&Cursor)
     for (id, pane) in panes.iter_mut().filter(|(_, pane)| pane.side == side) {
         pane.cursor = if id == leader { after } else { pane.cursor.moved_as(&before, &after) };
         pane.slope_chosen = false;
-        pane.view = View::fit();
+        pane.view = crate::app::view::View::fit();
         pane.own_ranges.iter_mut().for_each(|own| own.forget());
     }
 }

@@ -4,7 +4,6 @@ use crate::app::apply::{change, datasets, explained, methods, opening, pair, pan
 use crate::app::document::{DatasetChoice, Document, History, Reselect, Side, Sides, Staged};
 use crate::app::pane::Preset;
 use crate::app::results::{ComparisonResults, Effect, Model, ProbeResults, Read, Results, UserProject};
-use crate::burst::OpenOptions;
 use crate::engine::Engine;
 use crate::requests::{BurstSource, OpenRequest};
 use std::mem::{replace, take};
@@ -61,11 +60,8 @@ fn show(model: &mut Model, document: Document, results: Results, history: Histor
     let (figures, datasets, studies) = (take(figures), take(datasets), take(studies));
     let results = Results { figures, datasets, studies, ..results };
     model.shell.messages.forget_note();
-    (
-        replace(&mut model.document, document),
-        replace(&mut model.results, results),
-        replace(&mut model.shell.history, history),
-    )
+    let document = replace(&mut model.document, document);
+    (document, replace(&mut model.results, results), replace(&mut model.shell.history, history))
 }
 
 fn open_for_step(model: &mut Model, bursts: Sides<Option<BurstSource>>, cameras: bool, engine: &Engine) {
@@ -82,8 +78,8 @@ fn open_for_step(model: &mut Model, bursts: Sides<Option<BurstSource>>, cameras:
             (Side::A, Some(burst)) => opening::take_burst(model, burst),
             (Side::B, Some(burst)) => pair::take_second_burst(model, burst),
             (side, None) => {
-                let options = OpenOptions::default();
-                model.results.slots[side].open(OpenRequest { source, options }, None, engine);
+                let request = OpenRequest { source, options: Default::default() };
+                model.results.slots[side].open(request, None, engine);
             }
         }
     }
@@ -169,59 +165,53 @@ mod tests {
     use super::*;
     use crate::app::apply::pair::tests::pair;
     use crate::matching::MatchParams;
-    use crate::teach::Workspace;
 
-    fn pass(history: &mut History, now: &mut Document, goes_on: bool, change: impl FnOnce(&mut Document)) {
-        let before = now.clone();
-        change(now);
-        history.take(before, now);
-        history.close_step(now, goes_on);
+    fn pass(model: &mut Model, goes_on: bool, change: impl FnOnce(&mut Document)) {
+        let before = model.document.clone();
+        change(&mut model.document);
+        model.shell.history.take(before, &model.document);
+        model.shell.history.close_step(&model.document, goes_on);
     }
 
     #[test]
     fn a_new_step_removes_the_steps_that_were_undone() {
-        let (mut model, mut history) = (Model::default(), History::default());
-        pass(&mut history, &mut model.document, false, |m| m.params.levels = 5);
-        pass(&mut history, &mut model.document, false, |m| m.matching.ratio = 0.5);
-        pass(&mut history, &mut model.document, false, |_| {});
-        history.undo(&mut model.document);
+        let mut model = Model::default();
+        pass(&mut model, false, |m| m.params.levels = 5);
+        pass(&mut model, false, |m| m.matching.ratio = 0.5);
+        pass(&mut model, false, |_| {});
+        model.shell.history.undo(&mut model.document);
         assert_eq!((&model.document.matching, model.document.params.levels), (&MatchParams::default(), 5));
-        pass(&mut history, &mut model.document, false, |m| m.params.octaves = 2);
-        assert!(!history.can_redo());
+        pass(&mut model, false, |m| m.params.octaves = 2);
+        assert!(!model.shell.history.can_redo());
     }
 
     #[test]
     fn steps_in_b_are_undone_in_b_also_after_the_sides_were_swapped() {
         let mut model = pair();
-        model.document.open_workspace(Workspace::Pair);
-        let mut history = std::mem::take(&mut model.shell.history);
+        model.document.open_workspace(crate::teach::Workspace::Pair);
         let slopes = |model: Read<'_>| Side::BOTH.map(|side| model.document.panes.of(side).cursor.slope.u);
         model.document.focus_on_side(Side::B);
         let (a, before) = (slopes(Read::of(&model))[0], slopes(Read::of(&model))[1]);
-        pass(&mut history, &mut model.document, false, |m| m.focused_mut().cursor.slope.u = 0.25);
+        pass(&mut model, false, |m| m.focused_mut().cursor.slope.u = 0.25);
         assert_eq!(slopes(Read::of(&model)), [a, 0.25]);
-        history.undo(&mut model.document);
+        model.shell.history.undo(&mut model.document);
         assert_eq!(slopes(Read::of(&model)), [a, before]);
-        history.redo(&mut model.document);
-        model.shell.history = history;
+        model.shell.history.redo(&mut model.document);
         pair::swap_sides(&mut model);
-        history = std::mem::take(&mut model.shell.history);
         assert_eq!(slopes(Read::of(&model)), [0.25, a]);
-        history.undo(&mut model.document);
+        model.shell.history.undo(&mut model.document);
         assert_eq!(slopes(Read::of(&model)), [before, a], "the burst that was B");
     }
 
     #[test]
     fn a_drag_that_comes_back_and_what_changes_by_itself_are_no_steps() {
-        let (mut model, mut history) = (Model::default(), History::default());
+        let mut model = Model::default();
         let before = model.document.params.edge_threshold;
         for (value, goes_on) in [(1.0, true), (30.0, true), (before, false)] {
-            pass(&mut history, &mut model.document, goes_on, |m| m.params.edge_threshold = value);
+            pass(&mut model, goes_on, |m| m.params.edge_threshold = value);
         }
-        assert!(!history.can_undo());
-        pass(&mut history, &mut model.document, false, |m| {
-            m.panes.split(m.focus(), crate::app::pane::Direction::Right);
-        });
-        assert!(!history.can_undo(), "a new pane");
+        assert!(!model.shell.history.can_undo());
+        pass(&mut model, false, |m| _ = m.panes.split(m.focus(), crate::app::pane::Direction::Right));
+        assert!(!model.shell.history.can_undo(), "a new pane");
     }
 }

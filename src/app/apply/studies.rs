@@ -5,16 +5,13 @@ use crate::app::apply::{opening, probe};
 use crate::app::document::{LabSet, Side, Trajectories};
 use crate::app::results::studies::{LabResult, TrajectoryResults};
 use crate::app::results::{Model, Read};
-use crate::app::view::View;
 use crate::engine::{Ended, Engine};
 use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH, PoseStudy, Projection};
 use crate::figures::{FigureSize, FiguresJob, find_colmap};
-use crate::inspect::words::capitalised;
 use crate::requests::{BurstSource, JobError, PosesRequest, StudyRequest, TrajectorySource, Which};
 use crate::study::{ChartOfStudy, StudyReport};
 use crate::teach::Workspace;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 const TITLE: &str = "Figures of the paper";
 
@@ -51,11 +48,9 @@ pub(in crate::app) fn run_study(model: &mut Model, engine: &Engine) {
 }
 
 pub(in crate::app) fn open_planted(model: &mut Model, engine: &Engine) {
-    let (Some(one), Some((study, _)), Some(open)) =
-        (Read::of(model).selected_thing(), model.results.studies.recovered(), &model.results.slots.a.burst)
-    else {
-        return;
-    };
+    let Some(one) = Read::of(model).selected_thing() else { return };
+    let Some((study, _)) = model.results.studies.recovered() else { return };
+    let Some(open) = &model.results.slots.a.burst else { return };
     // From within a copy, the next one is of the same burst.
     let of = match &open.source {
         BurstSource::Planted { of, .. } => of.clone(),
@@ -152,17 +147,17 @@ pub(super) fn take_trajectories(model: &mut Model, ended: Ended<PosesRequest>) {
         Ok(compared) => {
             model.shell.messages.resolved(TITLE);
             let is_other = |which: Which| match (&before[which as usize], &compared.read[which as usize]) {
-                (Some((_, before)), Some((_, now))) => !Arc::ptr_eq(before, now),
+                (Some((_, before)), Some((_, now))) => !std::sync::Arc::ptr_eq(before, now),
                 (before, now) => before.is_some() && now.is_none(),
             };
             if Which::ALL.into_iter().any(is_other) {
-                set.view = View::fit();
+                set.view = crate::app::view::View::fit();
             }
             set.selected.take_if(|_| is_other(Which::Truth));
             set.point.take_if(|_| is_other(Which::Estimate));
             let mut models = compared.read.iter().flatten().filter_map(|(_, read)| read.model.as_ref());
             if let Some(taken) = models.find_map(|model| model.taken()) {
-                model.shell.messages.note(capitalised(&taken));
+                model.shell.messages.note(crate::inspect::words::capitalised(&taken));
             }
             let reading = std::mem::take(&mut model.results.poses.reading);
             model.results.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };

@@ -89,9 +89,8 @@ fn any_action() -> impl Strategy<Value = Action> {
 
 /// Whether the action opens something, or asks the engine for work.
 fn opens(id: ActionId) -> bool {
-    let label = id.action().label;
-    let menu = id.action().menu;
-    label.ends_with('…') || menu == Menu::File || menu == Menu::Help || menu == Menu::Dataset
+    let action = id.action();
+    action.label.ends_with('…') || matches!(action.menu, Menu::File | Menu::Help | Menu::Dataset)
 }
 
 fn assert_valid(model: Read<'_>) {
@@ -162,7 +161,7 @@ proptest! {
         }
         let undone = &bench.model.document;
         prop_assert_eq!(&undone.params, &before.params);
-        prop_assert_eq!(bench.model.document.matching.clone(), MatchParams::default());
+        prop_assert_eq!(&undone.matching, &MatchParams::default());
         let slopes = |document: &Document| -> Vec<_> { document.panes.iter().map(|(_, p)| p.cursor.slope).collect() };
         prop_assert_eq!(slopes(undone), slopes(&before));
         while bench.model.shell.history.can_redo() {
@@ -178,30 +177,24 @@ fn two_changes_in_one_pass_are_both_made() {
     let mut bench = bench();
     let before = bench.model.document.params.clone();
     let with = |parameter, value: &str| {
-        before
-            .clone()
-            .with_texts([(parameter, value)])
-            .map(|after| bench.model.document.action_to(after).expect("another"))
+        let after = before.clone().with_texts([(parameter, value)]).expect("valid");
+        bench.model.document.action_to(after).expect("another")
     };
-    let actions = [with(doc::LEVELS, "4"), with(doc::EDGE_THRESHOLD, "13.5"), with(doc::SLOPES_V, "-1:1:3")];
-    for action in actions.map(|action| action.expect("valid")) {
+    for action in [with(doc::LEVELS, "4"), with(doc::EDGE_THRESHOLD, "13.5"), with(doc::SLOPES_V, "-1:1:3")] {
         pass(&mut bench, action);
     }
     let params = bench.model.document.params.clone();
     let was = before.slopes.given().expect("a line");
     let grid = SlopeGrid { v: SlopeAxis::new(-1.0..=1.0, 3), ..was };
     assert_eq!((params.levels, params.edge_threshold, params.slopes), (4, 13.5, grid.into()));
-    let auto =
-        SearchParams { slopes: Slopes::Auto { direction_deg: Some(30.0) }, ..bench.model.document.params.clone() };
-    let action = bench.model.document.action_to(auto.clone()).expect("another");
-    pass(&mut bench, action);
-    assert_eq!(bench.model.document.params.clone(), auto);
-    assert!(bench.model.document.action_to(auto).is_none());
-    // Back to the ranges, which stay as they are.
-    let given = SearchParams { slopes: grid.into(), ..bench.model.document.params.clone() };
-    let action = bench.model.document.action_to(given.clone()).expect("another");
-    pass(&mut bench, action);
-    assert_eq!(bench.model.document.params.clone(), given);
+    // To slopes that are found, and back to the ranges, which stay as they are.
+    for slopes in [Slopes::Auto { direction_deg: Some(30.0) }, grid.into()] {
+        let after = SearchParams { slopes, ..params.clone() };
+        let action = bench.model.document.action_to(after.clone()).expect("another");
+        pass(&mut bench, action);
+        assert_eq!(bench.model.document.params, after);
+        assert!(bench.model.document.action_to(after).is_none());
+    }
 }
 
 #[test]

@@ -34,8 +34,7 @@ pub struct SystemDialogs;
 impl FileDialogs for SystemDialogs {
     #[cfg(all(unix, not(target_os = "macos")))]
     fn exist(&self) -> bool {
-        let session_bus = zbus::connection::Builder::session();
-        free_desktop::shows_dialogs(session_bus, std::env::var_os("PATH").as_deref())
+        free_desktop::shows_dialogs(zbus::connection::Builder::session(), std::env::var_os("PATH").as_deref())
     }
 
     #[cfg(not(all(unix, not(target_os = "macos"))))]
@@ -71,7 +70,6 @@ impl FileDialogs for SystemDialogs {
 pub mod free_desktop {
     use std::ffi::OsStr;
     use std::os::unix::fs::PermissionsExt;
-    use std::path::Path;
     use std::time::Duration;
 
     /// Time in which a portal answers: the bus itself waits as long for a service that it starts.
@@ -92,7 +90,7 @@ pub mod free_desktop {
         Ok(())
     }
 
-    fn is_program(path: &Path) -> bool {
+    fn is_program(path: &std::path::Path) -> bool {
         path.metadata().is_ok_and(|file| file.is_file() && file.permissions().mode() & 0o111 != 0)
     }
 }
@@ -128,7 +126,11 @@ impl FileChooser {
         std::thread::Builder::new()
             .name("burstscope-dialog".to_owned())
             .spawn(move || {
-                let answer = answer(question, &*dialogs);
+                let answer = match dialogs.exist().then(|| dialogs.ask(&question)) {
+                    None => FileAnswer::NoDialog(question),
+                    Some(Some(paths)) if !paths.is_empty() => FileAnswer::Chosen(question.purpose, paths),
+                    Some(_) => FileAnswer::Nothing(question),
+                };
                 // When the window is closed already, the answer is dropped.
                 let _ = sender.send(answer);
                 on_update();
@@ -145,15 +147,5 @@ impl FileChooser {
 
     pub fn is_asking(&self) -> bool {
         self.open > 0
-    }
-}
-
-fn answer(question: Question, dialogs: &dyn FileDialogs) -> FileAnswer {
-    if !dialogs.exist() {
-        return FileAnswer::NoDialog(question);
-    }
-    match dialogs.ask(&question) {
-        Some(paths) if !paths.is_empty() => FileAnswer::Chosen(question.purpose, paths),
-        _ => FileAnswer::Nothing(question),
     }
 }

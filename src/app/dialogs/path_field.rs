@@ -2,9 +2,6 @@
 
 use crate::app::document::{Pointed, Purpose, Queue};
 use crate::app::panel::widgets::{accept_ui, confirm_ui, modal_ui, name_field, weak_ui};
-use crate::app::results::Read;
-use crate::export::is_ours;
-use crate::requests::FolderRequest;
 use egui::{CompletionPopup, Key, Suggestion, TextEdit};
 use std::path::PathBuf;
 
@@ -30,13 +27,13 @@ impl PathField {
     pub fn ui(
         &mut self,
         ctx: &egui::Context,
-        (model, recent): (Read<'_>, &[String]),
+        (model, recent): (crate::app::results::Read<'_>, &[String]),
         queue: &mut Queue,
     ) -> (Option<PathBuf>, bool) {
         let (mut accepted, mut stays) = (None, true);
         let pressed = |key| ctx.input(|i| i.key_pressed(key));
         self.chooses |= pressed(Key::ArrowDown) || pressed(Key::ArrowUp);
-        let asked = FolderRequest(folder_of(&self.text));
+        let asked = crate::requests::FolderRequest(folder_of(&self.text));
         let listed = model.results.folder.made.as_ref().filter(|(of, _)| *of == asked);
         let names = listed.map_or(&[][..], |(_, names)| names);
         let first = [recent.to_vec(), self.purpose.built_in()].concat();
@@ -156,7 +153,7 @@ pub struct ReplaceFile {
 impl ReplaceFile {
     pub fn new(purpose: Purpose, path: PathBuf) -> Self {
         let is_link = std::fs::symlink_metadata(&path).is_ok_and(|file| file.is_symlink());
-        let about = match (is_link, is_ours(&path)) {
+        let about = match (is_link, crate::export::is_ours(&path)) {
             (true, _) => "It is a link. The link is replaced by the file; its target stays as it is.",
             (false, true) => "Burstscope wrote it. Its content will be lost.",
             (false, false) => "Burstscope did not write it. Its content will be lost.",

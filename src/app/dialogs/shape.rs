@@ -5,12 +5,10 @@ use crate::app::memo::{Itself, kept};
 use crate::app::panel::widgets::{accept_ui, error_ui, modal_ui, named, weak_ui};
 use crate::app::results::Read;
 use crate::burst::Dump;
-use crate::inspect::words::counted;
 use crate::requests::{BurstSource, PossibleShape, ShapeRequest};
 use egui::{
     Button, ColorImage, Context, Image, Key, Role, ScrollArea, TextEdit, TextureHandle, TextureOptions, Ui, vec2,
 };
-use std::sync::Arc;
 
 const COLUMNS: usize = 4;
 const CELL_POINTS: egui::Vec2 = vec2(150.0, 112.0);
@@ -34,10 +32,10 @@ fn picture(texture: &TextureHandle) -> Image<'_> {
 }
 
 fn words(shape: &PossibleShape) -> String {
-    format!("{}, {}", shape.dump, counted(shape.frames as usize, "frame"))
+    format!("{}, {}", shape.dump, crate::inspect::words::counted(shape.frames as usize, "frame"))
 }
 
-fn preview_ui(ui: &mut Ui, made: &Arc<PossibleShape>) {
+fn preview_ui(ui: &mut Ui, made: &std::sync::Arc<PossibleShape>) {
     let words = words(made);
     let texture = kept(ui.ctx(), "first frame in a shape", Itself::from(made), || texture(ui, &words, made));
     ui.add(picture(&texture).alt_text(format!("First frame in {words}")));
@@ -116,8 +114,7 @@ impl ShapeDialog {
         weak_ui(ui, "The first frame in each shape that fills the file, the most likely one first");
         let mut accepts = false;
         // The rest of the dialog has room in a small window too.
-        let room = ui.ctx().content_rect().height() - 360.0;
-        let height = room.clamp(CELL_POINTS.y, 2.6 * (CELL_POINTS.y + 30.0));
+        let height = (ui.ctx().content_rect().height() - 360.0).clamp(CELL_POINTS.y, 2.6 * (CELL_POINTS.y + 30.0));
         ScrollArea::vertical().max_height(height).show(ui, |ui| {
             egui::Grid::new("shapes").num_columns(COLUMNS).spacing([12.0, 8.0]).show(ui, |ui| {
                 for (place, (shape, made)) in shapes.iter_mut().enumerate() {

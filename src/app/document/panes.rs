@@ -170,12 +170,11 @@ impl Document {
     }
 
     pub fn focused_ranges_mut(&mut self) -> &mut Ranges {
-        let focus = self.focus();
-        let Self { panes, look, .. } = self;
-        match panes.get_mut(focus).and_then(|pane| pane.own_ranges.as_mut()) {
-            Some(own) => own,
-            None => &mut look.ranges,
-        }
+        self.ranges_mut(self.focus())
+    }
+
+    pub fn ranges_mut(&mut self, id: PaneId) -> &mut Ranges {
+        self.panes.get_mut(id).and_then(|pane| pane.own_ranges.as_mut()).unwrap_or(&mut self.look.ranges)
     }
 }
 

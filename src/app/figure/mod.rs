@@ -21,7 +21,6 @@ use crate::export::{
     LegendEntry, MatchKind, motion_over,
 };
 use crate::inspect::words::counted;
-use crate::plane::display::to_rgba8;
 use crate::requests::{FigurePicture, FigureRequest, PictureAnswer, slope_legend, titled};
 use egui::{Align, ColorImage, Context, DragValue, Grid, Image, Layout, TextureOptions, Ui, Vec2, vec2};
 use image::imageops::{FilterType, resize};
@@ -248,8 +247,7 @@ pub fn figure_ui(ctx: &Context, is_open: &mut bool, (model, widgets): (Read<'_>,
     let room = ctx.content_rect().size() - vec2(CHOICES + 90.0, 200.0);
     let room = room.clamp(Vec2::splat(120.0), Vec2::splat(400.0));
     let (mut choice, mut asked) = (model.document.figure, None);
-    let width = CHOICES + room.x + 12.0;
-    modal_ui(ctx, is_open, ("figure", width, "Figure of what is shown"), |ui| {
+    modal_ui(ctx, is_open, ("figure", CHOICES + room.x + 12.0, "Figure of what is shown"), |ui| {
         ui.weak("Features, filter, colours and part of the picture as in the panes");
         ui.add_space(6.0);
         ui.horizontal_top(|ui| {
@@ -266,8 +264,7 @@ pub fn figure_ui(ctx: &Context, is_open: &mut bool, (model, widgets): (Read<'_>,
                 });
             });
             let figure = figure_of(model, widgets, &choice);
-            let column = Layout::top_down(Align::Center);
-            ui.allocate_ui_with_layout(room, column, |ui| preview_ui(ui, model, &figure));
+            ui.allocate_ui_with_layout(room, Layout::top_down(Align::Center), |ui| preview_ui(ui, model, &figure));
             asked = figure.ok();
         });
     });
@@ -425,7 +422,7 @@ fn tell(model: Read<'_>) -> String {
 
 fn bytes_per_pixel(model: Read<'_>) -> f64 {
     let Some(picture) = model.picture() else { return 0.5 };
-    let rgba = to_rgba8(&picture.plane, &model.display_of(model.document.focus()));
+    let rgba = crate::plane::display::to_rgba8(&picture.plane, &model.display_of(model.document.focus()));
     let (width, height) = rgba.dimensions();
     let shrink = width.max(height).div_ceil(MEASURED_PX).max(1);
     let small = resize(&rgba, (width / shrink).max(1), (height / shrink).max(1), FilterType::Nearest);
@@ -453,13 +450,12 @@ fn choice_ui(ui: &mut Ui, choice: &mut FilmChoice) {
 mod tests {
     use super::*;
     use crate::app::apply::bench::open;
-    use crate::plane::Plane;
     use crate::requests::{PictureKind, PictureRequest};
     use egui::{Rect, pos2};
 
     #[test]
     fn a_squeezed_pane_is_drawn_with_its_whole_picture() {
-        let plane = Arc::new(Plane::from_fn(200, 100, |u, _| u as f32));
+        let plane = Arc::new(crate::plane::Plane::from_fn(200, 100, |u, _| u as f32));
         let request = PictureRequest::new(open((200, 100), 3), PictureKind::Frame(0), Default::default());
         let picture = PictureAnswer { request, drawn: plane.clone(), plane, motion: None, preview: None };
         let mut state = PictureState::default();

@@ -135,10 +135,9 @@ impl HistogramPanel {
         {
             // The place of the press, not that where the drag was recognised, decides what is grabbed.
             let press = pointer - response.total_drag_delta().unwrap_or_default();
-            let grip = grip_at(press, geometry, display);
             // A press outside the range moves its nearer end.
-            let end = if press.x < geometry.x_of(display.min) { Grip::Min } else { Grip::Max };
-            let grip = grip.unwrap_or(end);
+            let nearer = if press.x < geometry.x_of(display.min) { Grip::Min } else { Grip::Max };
+            let grip = grip_at(press, geometry, display).unwrap_or(nearer);
             self.drag = Some(Drag { grip, start: *display, start_value: geometry.value_at(press.x) });
         }
         if !response.dragged() {
@@ -185,8 +184,7 @@ pub fn ends_ui(ui: &mut Ui, display: &mut Display) -> bool {
             if value_ui(ui, "Max", &mut max, speed) {
                 *display = display.with_range(min.min(max), max);
             }
-            let button = ui.button("0 – 1").on_hover_text("The full scale of the file: from black to saturated.");
-            if button.clicked() {
+            if ui.button("0 – 1").on_hover_text("The full scale of the file: from black to saturated.").clicked() {
                 *display = display.with_range(0.0, 1.0);
                 full_scale = true;
             }
@@ -231,8 +229,7 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
             .logarithmic(true)
             .max_decimals(2)
             .clamping(egui::SliderClamping::Never);
-        let slider = ui.add(slider).labelled_by(label.id);
-        hint(slider, "Raising it brightens the dark values. 1 is linear.");
+        hint(ui.add(slider).labelled_by(label.id), "Raising it brightens the dark values. 1 is linear.");
         display.gamma = display.gamma.clamp(*GAMMA_RANGE.start(), *GAMMA_RANGE.end());
         ui.end_row();
     });
@@ -323,10 +320,9 @@ fn draw_bars(painter: &Painter, geometry: &PlotGeometry, histogram: &Histogram, 
         let centre = 0.5 * (from + to);
         let within = centre >= display.min && centre <= display.max;
         let height = (scale * (1.0 + count as f32).ln()).max(1.0);
-        let rect = Rect::from_min_max(
-            pos2(geometry.x_of(from), bars.bottom() - height),
-            pos2(geometry.x_of(to).max(geometry.x_of(from) + 0.5), bars.bottom()),
-        );
+        let left = geometry.x_of(from);
+        let x_range = left..=geometry.x_of(to).max(left + 0.5);
+        let rect = Rect::from_x_y_ranges(x_range, bars.bottom() - height..=bars.bottom());
         mesh.add_colored_rect(rect, colour.gamma_multiply(if within { 0.85 } else { 0.32 }));
     }
     painter.add(Shape::mesh(mesh));
@@ -393,10 +389,9 @@ fn dragged(drag: Drag, value: f32, axis: Rangef) -> Display {
 fn grip_at(pointer: Pos2, geometry: &PlotGeometry, display: &Display) -> Option<Grip> {
     let (low, high) = (geometry.x_of(display.min), geometry.x_of(display.max));
     let (to_low, to_high) = ((pointer.x - low).abs(), (pointer.x - high).abs());
-    // In a narrow range the middle third still grabs the whole range.
-    let reach = GRAB_POINTS.min(0.34 * (high - low).max(3.0));
     let outside = pointer.x < low || pointer.x > high;
-    let reach = if outside { GRAB_POINTS } else { reach };
+    // In a narrow range the middle third still grabs the whole range.
+    let reach = if outside { GRAB_POINTS } else { GRAB_POINTS.min(0.34 * (high - low).max(3.0)) };
     if to_low.min(to_high) <= reach {
         Some(if to_low < to_high { Grip::Min } else { Grip::Max })
     } else {
@@ -424,9 +419,8 @@ mod tests {
     #[test]
     fn handles_move_their_end_and_the_middle_moves_both() {
         let start = Display { min: 0.2, max: 0.6, ..Display::default() };
-        let axis = Rangef::new(0.0, 1.0);
         let range = |grip, from, to| {
-            let d = dragged(Drag { grip, start, start_value: from }, to, axis);
+            let d = dragged(Drag { grip, start, start_value: from }, to, Rangef::new(0.0, 1.0));
             ((d.min * 1e4).round() / 1e4, (d.max * 1e4).round() / 1e4)
         };
         assert_eq!(range(Grip::Min, 0.2, 0.3), (0.3, 0.6));
@@ -442,8 +436,7 @@ mod tests {
         ) {
             let start = Display { symmetric, ..Display::default() }.with_range(min, min + width);
             let grip = [Grip::Min, Grip::Max, Grip::Both][which as usize];
-            let axis = axis_for(None, &start);
-            let end = dragged(Drag { grip, start, start_value: from }, to, axis);
+            let end = dragged(Drag { grip, start, start_value: from }, to, axis_for(None, &start));
             prop_assert!(end.min < end.max && end.min.is_finite() && end.max.is_finite(), "{end:?}");
             prop_assert!(!symmetric || end.min == -end.max);
         }

@@ -15,7 +15,6 @@ use egui::{
     Align, Button, Color32, Context, Frame, Id, Key, LayerId, Layout, Margin, Modifiers, Order, RichText, ScrollArea,
     Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
-use std::sync::Arc;
 
 /// Size of the lesson's letters in a hall, in parts of the usual one.
 const LETTERS_IN_HALL: f32 = 1.5;
@@ -44,9 +43,8 @@ pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: Read<'_>, queue: &mu
         steps_ui(ui, open, next.as_deref(), &mut asked);
     });
     if open.is_ended {
-        ScrollArea::vertical().id_salt("lesson end").auto_shrink(false).show(ui, |ui| {
-            end_ui(ui, open, next.as_deref());
-        });
+        let area = ScrollArea::vertical().id_salt("lesson end").auto_shrink(false);
+        area.show(ui, |ui| end_ui(ui, open, next.as_deref()));
         return asked;
     }
     ScrollArea::vertical().id_salt(("lesson", open.step)).auto_shrink(false).show(ui, |ui| {
@@ -55,8 +53,7 @@ pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: Read<'_>, queue: &mu
         ui.add_space(6.0);
         if let Some(spot) = step.state.spot {
             Frame::group(ui.style()).show(ui, |ui| {
-                let slope = step.state.slope.unwrap_or_default();
-                snr_ui(ui, model, &mut open.snr, spot, slope, queue);
+                snr_ui(ui, model, &mut open.snr, spot, step.state.slope.unwrap_or_default(), queue);
             });
             ui.add_space(6.0);
         }
@@ -99,8 +96,7 @@ fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson) {
     let frame = Frame::new().fill(colour.gamma_multiply(0.14)).stroke(Stroke::new(1.0, colour.gamma_multiply(0.7)));
     frame.corner_radius(6).inner_margin(Margin::symmetric(10, 7)).show(ui, |ui| {
         ui.set_width(ui.available_width());
-        let head = if done { "✔ Done" } else { "Try it" };
-        ui.label(RichText::new(head).strong().color(colour));
+        ui.label(RichText::new(if done { "✔ Done" } else { "Try it" }).strong().color(colour));
         caption_ui(ui, text);
     });
 }
@@ -135,8 +131,7 @@ fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicke
     });
     ui.add_space(3.0);
     ui.horizontal(|ui| {
-        let width = 0.5 * (ui.available_width() - ui.spacing().item_spacing.x);
-        let size = vec2(width, 28.0);
+        let size = vec2(0.5 * (ui.available_width() - ui.spacing().item_spacing.x), 28.0);
         let before = open.back();
         let back = ui.add_enabled(before.is_some(), Button::new("Back").min_size(size));
         back.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, before.is_some(), "Step back"));
@@ -195,7 +190,7 @@ pub fn highlights_ui(ctx: &Context) {
     }
 }
 
-pub type Chosen = Option<Arc<Lesson>>;
+pub type Chosen = Option<std::sync::Arc<Lesson>>;
 
 pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) -> Chosen {
     let (mut chosen, mut is_open) = (None, lessons.list_is_open);

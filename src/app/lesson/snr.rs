@@ -1,7 +1,6 @@
 //! Signal-to-noise ratio of a spot, measured in the shown picture, while frames are added one by one.
 
 use crate::app::document::{Action, Queue};
-use crate::app::pane::Content;
 use crate::app::panel::cursor_row::CursorRow;
 use crate::app::panel::widgets::still_plot;
 use crate::app::parts;
@@ -46,13 +45,6 @@ impl SnrTrace {
     }
 }
 
-/// Measures the spot in the shown picture. Returns the number of its frames, and the ratio.
-fn measured(model: Read<'_>, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)> {
-    let (frames, place) = shown_spot(model, spot, slope)?;
-    let picture = model.picture().filter(|_| model.picture_is_current())?;
-    Some((frames, spot_snr(&picture.plane, place, spot.inner, spot.ground)?))
-}
-
 /// Number of frames in the shown picture, and the place of the spot in it.
 pub(super) fn shown_spot(model: Read<'_>, spot: Spot, slope: Slope) -> Option<(usize, [f32; 2])> {
     let picture = model.picture()?;
@@ -79,7 +71,10 @@ pub(super) fn snr_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, spot: S
     parts::mark(ui, Part::FramesAdded, below(ui, top));
     ui.add_space(4.0);
     let top = ui.cursor().min;
-    let now = measured(model, spot, slope);
+    let now = shown_spot(model, spot, slope).and_then(|(frames, place)| {
+        let picture = model.picture().filter(|_| model.picture_is_current())?;
+        Some((frames, spot_snr(&picture.plane, place, spot.inner, spot.ground)?))
+    });
     if let Some((frames, snr)) = now {
         let at = trace.slope.filter(|_| frames == 1).unwrap_or(model.document.cursor().slope);
         trace.take(at, frames, snr.ratio());
@@ -105,7 +100,7 @@ pub(super) fn snr_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, spot: S
 fn frames_shown(model: Read<'_>) -> usize {
     let pane = model.document.focused();
     match pane.content {
-        Content::Cursor if pane.cursor.kind == ViewKind::Frame => 1,
+        crate::app::pane::Content::Cursor if pane.cursor.kind == ViewKind::Frame => 1,
         _ => model.document.params.used_frames(model.frame_count()).len(),
     }
 }
@@ -138,9 +133,8 @@ fn plot_ui(ui: &mut Ui, all: usize, trace: &SnrTrace, now: Option<usize>) {
     let law = ui.visuals().weak_text_color();
     let points: Vec<[f64; 2]> = trace.measured.iter().map(|(n, ratio)| [*n as f64, f64::from(*ratio)]).collect();
     let count = points.len();
-    let highest = f64::from(trace.largest).max(0.1);
     let one = trace.of_one_frame().unwrap_or(0.0);
-    let top = 1.15 * highest.max(one * (all as f64).sqrt());
+    let top = 1.15 * f64::from(trace.largest).max(0.1).max(one * (all as f64).sqrt());
     still_plot("snr over frames")
         .height(HEIGHT)
         .show_x(false)

@@ -2,13 +2,12 @@
 
 use super::snr::SnrTrace;
 use super::steps;
-use crate::app::document::{Panels, Side, Sides, Staged};
+use crate::app::document::{Document, Panels, Side, Sides, Staged};
 use crate::app::results::Read;
 use crate::requests::BurstSource;
 use crate::teach::{Lesson, Part, Step, built_in, lessons_at};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 use std::sync::Arc;
 
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -96,10 +95,9 @@ impl OpenLesson {
 
     /// Selects the first of the listed features or matches, as soon as there is one.
     fn select_first(&mut self, model: Read<'_>) -> Option<Staged> {
-        let is_current = model.document.workspace.shows_pair() || model.stale().is_none();
-        let listed = !model.listed().is_empty() && is_current;
-        let is_free = model.document.selected_match.is_none() && model.document.selected.is_none();
-        let selects = self.selects && is_free;
+        let Document { workspace, selected_match, selected, .. } = model.document;
+        let listed = !model.listed().is_empty() && (workspace.shows_pair() || model.stale().is_none());
+        let selects = self.selects && selected_match.is_none() && selected.is_none();
         self.selects = selects && !listed;
         (selects && listed).then_some(Staged::SelectFirst)
     }
@@ -167,7 +165,7 @@ impl Lessons {
     ///
     /// # Errors
     /// A line for each file that cannot be used, with its fault.
-    pub fn open_at(&mut self, path: &Path) -> Result<(), String> {
+    pub fn open_at(&mut self, path: &std::path::Path) -> Result<(), String> {
         let texts = |errors: Vec<_>| errors.iter().map(ToString::to_string).collect::<Vec<String>>().join("\n");
         self.add(lessons_at(path).map_err(texts)?);
         self.list_is_open = true;
@@ -207,11 +205,10 @@ impl Lessons {
         if is_restoring || opening.is_some_and(|source| source != first && source != second) {
             return self.end(true);
         }
-        let is_other = model.burst_of(Side::A).is_some_and(|burst| Some(&burst.source) != first.as_ref());
         if !open.is_ready {
             return open.set_up(model).into_iter().collect();
         }
-        if is_other {
+        if model.burst_of(Side::A).is_some_and(|burst| Some(&burst.source) != first.as_ref()) {
             // A burst that was requested for another step has been opened.
             return self.begin_step();
         }
@@ -232,11 +229,10 @@ impl Lessons {
     }
 
     fn remember(&mut self) {
-        if let Some(open) = &self.open {
+        if let Some(OpenLesson { lesson, step, done, is_ended, .. }) = &self.open {
             // A finished lesson begins anew.
-            let step = if open.is_ended { 0 } else { open.step };
-            let progress = Progress { step, done: open.done.clone() };
-            self.progress.insert(open.lesson.name.clone(), progress);
+            let step = if *is_ended { 0 } else { *step };
+            self.progress.insert(lesson.name.clone(), Progress { step, done: done.clone() });
         }
     }
 }

@@ -32,16 +32,10 @@ pub(super) fn panels_of(step: &Step, hall: bool) -> Panels {
     }
 }
 
-/// The step as it begins; its bursts are open already.
+/// The step as it begins; its bursts are open already. In its document, what the step leaves open is as in a new
+/// window, and how the window looks as it was `before`.
 pub(super) fn begin(step: &Step, model: Read<'_>) -> Staged {
-    let document = Box::new(document_of(step, model.frame_count(), model.document));
-    Staged::Begin { document, layout: step.state.layout, probe: step.state.probe }
-}
-
-/// The document of a step whose burst A has this many `frames`: what the step leaves open is as in a new window, and
-/// how the window looks as it was `before`.
-fn document_of(step: &Step, frames: usize, before: &Document) -> Document {
-    let state = step.state.clone();
+    let (state, before) = (step.state.clone(), model.document);
     let auto_detect = state.detect.unwrap_or(false);
     let has_features = state.features.unwrap_or(auto_detect);
     let (values, is_open) = (state.set_up.unwrap_or_default(), state.set_up.is_some());
@@ -69,8 +63,8 @@ fn document_of(step: &Step, frames: usize, before: &Document) -> Document {
     document.params = state.params.clone().unwrap_or_else(given);
     document.look.overlay = if has_features { FeaturesShown::ThisSlope } else { FeaturesShown::None };
     document.look.ranges.forget();
-    set_panes(&mut document.panes, &state, frames);
-    document
+    set_panes(&mut document.panes, &state, model.frame_count());
+    Staged::Begin { document: Box::new(document), layout: state.layout, probe: state.probe }
 }
 
 fn set_panes(panes: &mut Panes, state: &State, frames: usize) {

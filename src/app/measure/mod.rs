@@ -46,8 +46,7 @@ pub fn measured_panes(model: Read<'_>, drawn_on: PaneId) -> Vec<PaneId> {
         return Vec::new();
     }
     let is_linked = |id: &PaneId| model.document.panes.has_link(*id, Link::Place);
-    let alone = !is_linked(&drawn_on);
-    shown.into_iter().filter(|id| *id == drawn_on || (!alone && is_linked(id))).collect()
+    shown.into_iter().filter(|id| *id == drawn_on || (is_linked(&drawn_on) && is_linked(id))).collect()
 }
 
 fn mapped(model: Read<'_>, drawn_on: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
@@ -207,13 +206,12 @@ fn inside(outline: &[Pos2], v: f32) -> Vec<[f32; 2]> {
     crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut parts, mut turns, mut from) = (Vec::new(), 0, 0.0);
     for (u, turn) in crossings {
-        let before = turns;
-        turns += turn;
-        match (before, turns) {
+        match (turns, turns + turn) {
             (0, _) => from = u,
             (_, 0) => parts.push([from, u]),
             _ => {}
         }
+        turns += turn;
     }
     parts
 }
@@ -334,26 +332,20 @@ pub fn hidden_ui(ui: &mut Ui, model: Read<'_>, rect: Rect, queue: &mut Queue) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::apply::bench::open;
-    use crate::app::apply::opening;
     use crate::app::pane::Direction;
-    use crate::app::results::Model;
-    use crate::teach::Workspace;
 
     #[test]
     fn a_line_stays_when_other_panes_take_the_place_of_its_own() {
-        let mut model = Model::default();
-        opening::take_burst(&mut model, open((64, 48), 5));
+        let mut model = crate::app::results::Model::default();
+        crate::app::apply::opening::take_burst(&mut model, crate::app::apply::bench::open((64, 48), 5));
         let first = model.document.focus();
         assert_eq!(measured_panes(Read::of(&model), first), [first]);
         let second = model.document.panes.split(first, Direction::Right).expect("there is space");
         model.document.panes.close(first);
-        assert_eq!(
-            (measured_panes(Read::of(&model), first), measured_on(Read::of(&model), first)),
-            (vec![second], second)
-        );
+        assert_eq!(measured_panes(Read::of(&model), first), [second]);
+        assert_eq!(measured_on(Read::of(&model), first), second);
         // In another workspace it is not drawn.
-        model.document.open_workspace(Workspace::Pair);
+        model.document.open_workspace(crate::teach::Workspace::Pair);
         assert_eq!(measured_panes(Read::of(&model), PaneId(99)), []);
     }
 }

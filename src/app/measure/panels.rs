@@ -4,10 +4,8 @@ use super::{PaneRegion, measured_panes, profiles_of, region_in};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
 use crate::app::inspector::PaneWidgets;
-use crate::app::memo::kept;
 use crate::app::panel::widgets::{named, only_ui, still_plot};
 use crate::app::results::Read;
-use crate::app::ticks;
 use crate::app::view::fixed;
 use crate::plane::sample::{RegionStatistics, region_statistics};
 use crate::plane::statistics::{Histogram, histogram};
@@ -17,7 +15,7 @@ use egui_plot::{Bar, BarChart, Corner, Legend, Line, PlotPoints};
 const BINS: usize = 64;
 
 fn values(ui: &Ui, of: &PaneRegion) -> (Option<RegionStatistics>, Option<Histogram>) {
-    kept(ui.ctx(), ("values of the region", of.id), (of.picture.id, of.region.clone()), || {
+    crate::app::memo::kept(ui.ctx(), ("values of the region", of.id), (of.picture.id, of.region.clone()), || {
         let statistics = region_statistics(&of.picture.plane, &of.region);
         // A region of one value has no histogram.
         let range = statistics.map(|s| (s.min, s.max)).filter(|(min, max)| min < max);
@@ -158,7 +156,7 @@ pub fn profile_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
     let plot = still_plot("profile")
         .legend(Legend::default().position(Corner::RightTop))
         .x_axis_label("Distance along the line, px")
-        .y_grid_spacer(ticks::of_height)
+        .y_grid_spacer(crate::app::ticks::of_height)
         .y_axis_formatter(|mark, _| number(mark.value as f32, 3))
         .height(ui.available_height().max(60.0));
     let drawn = plot.show(ui, |plot| {

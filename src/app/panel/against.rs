@@ -6,7 +6,7 @@ use crate::app::canvas::overlay::{CircleMark, circle_at, draw_circles};
 use crate::app::document::{Action, Compared, Destination, Pointed, Reference, Side};
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
-use crate::app::panel::legend;
+use crate::app::panel::display;
 use crate::app::panel::table::{Heading, Listed, rows_ui, texts};
 use crate::app::panel::widgets::{dashed_circle, progress_text, progress_ui, tip_ui};
 use crate::app::results::Read;
@@ -88,8 +88,7 @@ pub fn against_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
         let seen = widgets.get(model.document.focus()).and_then(|widget| widget.picture.visible_image);
         let is_seen = |row: &Row| seen.is_some_and(|seen| seen.contains(row.pos_image.into()));
         if let Some(row) = shown.rows.get(row).filter(|row| !is_seen(row)) {
-            let at = Some((row.pos_image, 0.0));
-            queue.push(Action::GoTo(side, Destination { at, ..Destination::default() }));
+            queue.push(Action::GoTo(side, Destination { at: Some((row.pos_image, 0.0)), ..Destination::default() }));
         }
     }
 }
@@ -230,7 +229,7 @@ pub fn legend_ui(ui: &mut Ui, model: Read<'_>, in_pane: &RowsInPane<'_>, output:
     let is_shown = |kind: &Compared| model.document.comparisons[side].shows(*kind);
     let kinds: Vec<Compared> = Compared::of(shown.with).iter().copied().filter(is_shown).collect();
     let size = vec2(196.0, 16.0 + 18.0 * kinds.len() as f32);
-    legend::legend_ui(ui, model, (Align2::RIGHT_BOTTOM, output.response.rect, size), queue, |ui| {
+    display::legend_ui(ui, model, (Align2::RIGHT_BOTTOM, output.response.rect, size), queue, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         for kind in kinds {
             ui.horizontal(|ui| {
@@ -262,12 +261,11 @@ mod tests {
     use super::*;
     use crate::app::apply::bench::{detected, feature, open};
     use crate::app::apply::{detection, opening};
-    use crate::app::results::Model;
     use std::time::Duration;
 
     #[test]
     fn an_empty_list_says_the_next_step() {
-        let mut model = Model::default();
+        let mut model = crate::app::results::Model::default();
         assert!(what_to_do(Read::of(&model), Side::A).starts_with("Pin a result"));
         model.document.comparisons.a.with = Some(Reference::Truth);
         assert!(what_to_do(Read::of(&model), Side::A).starts_with("Press Detect"));
@@ -275,10 +273,8 @@ mod tests {
         opening::take_burst(&mut model, burst.clone());
         let engine = crate::engine::Engine::new(std::sync::Arc::new(|| {}), 1 << 20);
         detection::start_detection(&mut model, Side::A, &engine);
-        assert_eq!(
-            (what_to_do(Read::of(&model), Side::A), Read::of(&model).takes_advice(Side::A)),
-            ("Detecting…", false)
-        );
+        assert_eq!(what_to_do(Read::of(&model), Side::A), "Detecting…");
+        assert!(!Read::of(&model).takes_advice(Side::A));
         model.results.slots.a.detecting.forget();
         assert!(Read::of(&model).takes_advice(Side::A));
         let params = model.document.params.clone();

@@ -9,7 +9,6 @@ use crate::app::panel::cursor_row::{CursorRow, slider_track, wheel_over};
 use crate::app::panel::widgets::{hint, named, section_ui};
 use crate::app::results::Read;
 use crate::app::view::nearest;
-use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeGrid};
 use crate::inspect::slopes::features_at_slopes;
@@ -143,7 +142,7 @@ fn scale_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     queue.push_if(is_other, Action::SetScale(model.document.focus(), octave as i32, level as i32));
     let space = ScaleSpace::of(model.cursor_params());
     let sigma = space.sigma_image(model.document.cursor().octave, f64::from(model.document.cursor().level));
-    let rim = rim_radius(sigma, space.levels);
+    let rim = crate::detector::localise::rim_radius(sigma, space.levels);
     let help = format!("Pixels of the input image; discs with a radius of {rim:.1} px respond most strongly");
     ui.weak(format!("Scale σ = {sigma:.2} px")).on_hover_text(help);
 }
@@ -208,8 +207,7 @@ pub fn strip_ui(ui: &mut Ui, model: Read<'_>, second: bool, queue: &mut Queue) {
     let range = dragged.map_or_else(|| slider_range(&grid, second), |drag| drag.range);
     let x_of = |slope: f32| egui::remap(slope, range, rect.x_range());
     bars_ui(ui, model, second, rect, &x_of);
-    let ends = [(axis.min, "Range start"), (axis.max, "Range end")];
-    for (index, (value, name)) in ends.into_iter().enumerate() {
+    for (index, (value, name)) in [(axis.min, "Range start"), (axis.max, "Range end")].into_iter().enumerate() {
         let x = x_of(value).clamp(rect.left() - 2.0, rect.right() + 2.0);
         let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(2.0 * REACH, rect.height()));
         let response = ui.interact(grip, ends_id.with(index), Sense::drag());
@@ -278,9 +276,7 @@ fn bars_ui(ui: &Ui, model: Read<'_>, second: bool, rect: Rect, x_of: &dyn Fn(f32
         let x = x_of(component(bar.slope));
         let features = (half, bar.features as f32 / most, feature_colour(ui, bar));
         let evidence = ((0.4 * half).max(0.8), bar.evidence / part, crate::app::style::good(ui));
-        for (half, share, colour) in
-            [Some(features), Some(evidence).filter(|_| bar.evidence > 0.0)].into_iter().flatten()
-        {
+        for (half, share, colour) in std::iter::once(features).chain((bar.evidence > 0.0).then_some(evidence)) {
             let heights = rect.bottom() - share * height..=rect.bottom();
             painter.rect_filled(Rect::from_x_y_ranges(x - half..=x + half, heights), 0.0, colour);
         }

@@ -1,21 +1,24 @@
-//! Display of the pictures: range, gamma, colour map and overlays; and the colour bar in the corner of a map.
+//! Display of the pictures: range, gamma, colour map and overlays. And in the corners of pictures: the colour bar of a
+//! map, and legends, which a click folds to a small chip, and unfolds.
 
+use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::number;
-use crate::app::canvas::overlay::{ColourBy, rgb};
+use crate::app::canvas::overlay::{ColourBy, ColourScale, rgb};
 use crate::app::document::look::SMOOTHING_PX;
-use crate::app::document::{Action, FeaturesShown, Look, Queue, RangeClass};
-use crate::app::histogram::HistogramPanel;
+use crate::app::document::{Action, FeaturesShown, Look, RangeClass};
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
-use crate::app::panel::legend::{KEY_ROOM, ground, motion_key};
 use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui, small_text, strip_of_colours};
 use crate::app::results::Read;
 use crate::plane::display::Display;
 use crate::requests::line_of;
-use egui::{Align2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2};
+use egui::{
+    Align2, Color32, Frame, Margin, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, Vec2, pos2,
+    vec2,
+};
 
 #[derive(Default)]
-pub struct DisplayState([HistogramPanel; RangeClass::Motion as usize + 1]);
+pub struct DisplayState([crate::app::histogram::HistogramPanel; RangeClass::Motion as usize + 1]);
 
 /// Draws the section, with the rows for features where they are drawn.
 pub fn display_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, with_features: bool, queue: &mut Queue) {
@@ -58,8 +61,7 @@ pub fn range_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidg
         return;
     }
     let mut display = model.document.ranges_of(pane).display(class);
-    let panel = &mut state.0[class as usize];
-    let is_set = panel.ui(ui, pictures.shown.as_ref(), pictures.visible_image, &mut display);
+    let is_set = state.0[class as usize].ui(ui, pictures.shown.as_ref(), pictures.visible_image, &mut display);
     queue.push_if(is_set, Action::SetDisplay(class, display));
 }
 
@@ -112,7 +114,7 @@ pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown, model: Read<'_>
 }
 
 /// Size of the key with its background, points.
-const SIZE: egui::Vec2 = vec2(196.0, 50.0);
+const SIZE: Vec2 = vec2(196.0, 50.0);
 
 /// Draws the colour bar of pane `id` over its picture in `rect`, if the picture is a map.
 pub fn colour_bar_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, rect: Rect) {
@@ -157,4 +159,49 @@ pub fn bar_ui(ui: &Ui, bar: Rect, display: &Display) {
     let value = |i: usize| display.min + (display.max - display.min) * (i as f32 + 0.5) / STEPS as f32;
     strip_of_colours(ui.painter(), bar, STEPS, |i, _| rgb(colours.colour(value(i))));
     ui.painter().rect_stroke(bar, 1.0, Stroke::new(1.0, ui.visuals().weak_text_color()), StrokeKind::Outside);
+}
+
+/// Draws a legend of `size` points, margins included, or its chip, in the corner `align`; a click folds or unfolds it.
+pub fn legend_ui(
+    ui: &mut Ui,
+    model: Read<'_>,
+    (align, rect_ui, size): (Align2, Rect, Vec2),
+    queue: &mut Queue,
+    add_contents: impl FnOnce(&mut Ui),
+) {
+    let is_open = model.document.look.legend;
+    let rect = align.align_size_within_rect(if is_open { size } else { CHIP }, rect_ui.shrink(10.0));
+    let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());
+    named(&response, egui::Role::Button, if is_open { "Fold the legend" } else { "Show the legend" });
+    ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
+        ui.spacing_mut().item_spacing.y = 4.0;
+        if is_open {
+            Frame::new().fill(ground(ui)).corner_radius(5).inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
+                ui.set_width(ui.available_width());
+                add_contents(ui);
+            });
+        } else {
+            ui.painter().rect_filled(rect, 5.0, ground(ui));
+            let (font, colour) = (TextStyle::Small.resolve(ui.style()), ui.visuals().text_color());
+            ui.painter().text(rect.center(), Align2::CENTER_CENTER, "Legend", font, colour);
+        }
+    });
+    let help = if is_open { "Colours of the features; click to fold (L)" } else { "Colours of the features (L)" };
+    queue.push_if(response.on_hover_text(help).clicked(), ActionId::ToggleLegend);
+}
+
+/// Minimum size of a picture with a key of its own colours, in points.
+pub const KEY_ROOM: Vec2 = vec2(430.0, 150.0);
+
+/// Colours of the motions in the picture of pane `id`, drawn in `rect`, which a key in its corner explains.
+pub fn motion_key(model: Read<'_>, id: PaneId, rect: Rect) -> Option<ColourScale> {
+    let motion = model.picture_in(id)?.motion.as_ref()?;
+    let has_room = rect.width() >= KEY_ROOM.x && rect.height() >= KEY_ROOM.y;
+    has_room.then(|| ColourScale::of_slopes(&motion.grid, model.features_of_motion(id)))
+}
+
+const CHIP: Vec2 = vec2(62.0, 20.0);
+
+pub fn ground(ui: &Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) }
 }

@@ -8,18 +8,17 @@ use crate::app::pane::PaneId;
 use crate::app::panel::against::{RowsInPane, marks_ui};
 use crate::app::panel::picture::{PictureState, at_time};
 use crate::app::panel::widgets::tip_ui;
-use crate::app::panel::{against, legend};
+use crate::app::panel::{against, display};
 use crate::app::results::comparison::Row;
 use crate::app::results::{Read, coherence_words, verdict_words};
 use crate::app::view::{KnownOfFeature, depth_text, motion_text};
 use crate::detector::{Detection, Feature, Quantity, Slope};
 use crate::inspect::slopes::{at_slope, is_at_slope};
 use egui::{Align2, Label, Pos2, RichText, Ui, vec2};
-use std::sync::Arc;
 
 #[derive(Debug, Clone)]
 pub struct FeatureLayer {
-    pub detection: Arc<Detection>,
+    pub detection: std::sync::Arc<Detection>,
     /// Features at their places in the picture where that is a frame: at its time.
     in_frame: Option<Vec<Feature>>,
     pub shown: Vec<bool>,
@@ -200,7 +199,7 @@ pub fn features_ui(
         let rect_ui = output.response.rect;
         // The colour bar of a map lies in the lower right corner.
         let corner = if model.has_colour_bar(id) { Align2::LEFT_BOTTOM } else { Align2::RIGHT_BOTTOM };
-        let key = legend::motion_key(model, id, rect_ui);
+        let key = display::motion_key(model, id, rect_ui);
         let says_the_same = |key: &overlay::ColourScale| scale.has_wheel() && scale.limit_text() == key.limit_text();
         // One is enough where the colours of the picture and of the features mean the same.
         if !(notes.is_empty() && key.as_ref().is_some_and(says_the_same)) {
@@ -208,7 +207,7 @@ pub fn features_ui(
             let roomy = key.is_some() || rect_ui.height() > 340.0 && rect_ui.width() > 480.0;
             let texts = if roomy { 1 + notes.len() } else { 0 };
             let size = vec2(if scale.has_wheel() { 160.0 } else { 196.0 }, scale.height() + 12.0 + 18.0 * texts as f32);
-            legend::legend_ui(ui, model, (corner, rect_ui, size), queue, |ui| {
+            display::legend_ui(ui, model, (corner, rect_ui, size), queue, |ui| {
                 if roomy {
                     ui.label(RichText::new(scale.name()).small());
                 }

@@ -30,8 +30,7 @@ pub fn controls_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         queue.edit(model.document, Action::SetMethods(look));
         gold_ui(ui, model, queue);
         if let Some((method, running)) = model.results.compare.running() {
-            let text = format!("{}: {}", method.label(), progress_text(&running));
-            progress_ui(ui, &running, None, &text);
+            progress_ui(ui, &running, None, &format!("{}: {}", method.label(), progress_text(&running)));
             button_ui(ui, model, queue, ActionId::Cancel, None);
         } else if MethodId::ALL.iter().any(|method| model.results.compare.problem(*method).is_some()) {
             button_ui(ui, model, queue, ActionId::CompareAgain, Some("Try again"));
@@ -116,9 +115,8 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                             let usable = model.method_burst(method, Side::A).is_some();
                             let mut on = model.document.methods.shows(method);
                             let tip = if usable { method.words()[1] } else { "Open a sharp image of A's view first" };
-                            let boxed = egui::Checkbox::new(&mut on, method.label());
                             ui.spacing_mut().interact_size.y = ROW_HEIGHT;
-                            let response = ui.add_enabled(usable, boxed);
+                            let response = ui.add_enabled(usable, egui::Checkbox::new(&mut on, method.label()));
                             if response.on_hover_text(tip).on_disabled_hover_text(tip).changed() {
                                 look.show(method, on);
                             }

@@ -8,7 +8,6 @@ pub mod display;
 pub mod features;
 pub mod glossary;
 pub mod lab;
-pub mod legend;
 pub mod methods;
 pub mod modals;
 pub mod noise;

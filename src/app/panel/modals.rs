@@ -8,7 +8,6 @@ use crate::burst::{FrameRange, OpenOptions, RawColour, Tiling, TimesChoice, View
 use crate::engine::Engine;
 use crate::requests::BurstSource;
 use egui::{DragValue, RichText, ScrollArea, TextEdit, Ui, vec2};
-use std::path::PathBuf;
 
 const COLOURS: [(RawColour, &str, &str); 4] = [
     (RawColour::Luma, "Luma", "Mean of each 2 × 2 square of pixels: all the light"),
@@ -88,9 +87,8 @@ const TILINGS: [(Option<Tiling>, &str, &str); 3] = [
 ];
 
 fn views_ui(ui: &mut Ui, views: &mut Option<ViewsChoice>) {
-    const TIP: &str = "Frames that are the views of a light field";
     const MAX_SIDE: usize = 4096;
-    let name = ui.label("Views").on_hover_text(TIP);
+    let name = ui.label("Views").on_hover_text("Frames that are the views of a light field");
     row_of(ui, &name, |ui| {
         let usual =
             "Views where the names of all of a grid have rows and columns (view_03_07.png), otherwise frames in time";
@@ -189,7 +187,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>, queu
 fn file_ui(
     ui: &mut Ui,
     label: &str,
-    path: &mut Option<PathBuf>,
+    path: &mut Option<std::path::PathBuf>,
     purposes: &[Purpose],
     choice: &mut Option<Purpose>,
     queue: &mut Queue,
@@ -259,8 +257,7 @@ fn notices_ui(ui: &mut Ui) {
 
 /// Draws the box about the program, in which the memory for pictures can be set.
 pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings: &mut Settings) {
-    let heading = format!("Burstscope {}", env!("CARGO_PKG_VERSION"));
-    modal_ui(ctx, open, ("about", 420.0, &heading), |ui| {
+    modal_ui(ctx, open, ("about", 420.0, concat!("Burstscope ", env!("CARGO_PKG_VERSION"))), |ui| {
         ui.label(env!("CARGO_PKG_DESCRIPTION"));
         ui.add_space(6.0);
         ui.label("The method is that of A. Ravendran, M. Bryson and D. G. Dansereau, “BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction”.");
@@ -290,8 +287,7 @@ pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings:
 /// Draws the choice among `bursts` if there are any; closing it empties them. Returns the chosen one.
 pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<BurstSource> {
     let (mut chosen, mut is_open) = (None, !bursts.is_empty());
-    let heading = format!("{} bursts in this folder", bursts.len());
-    modal_ui(ctx, &mut is_open, ("burst chooser", 360.0, &heading), |ui| {
+    modal_ui(ctx, &mut is_open, ("burst chooser", 360.0, &format!("{} bursts in this folder", bursts.len())), |ui| {
         ui.weak("Choose the burst to open.");
         ui.add_space(6.0);
         ScrollArea::vertical().max_height(320.0).min_scrolled_height(200.0).show(ui, |ui| {
@@ -313,8 +309,8 @@ pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<
 
 fn row_ui(ui: &mut Ui, burst: &BurstSource) -> egui::Response {
     // Stacks of one name in several folders are distinguished by their folders.
-    let paths = if let BurstSource::Paths(paths) = burst { &paths[..] } else { &[] };
-    let folder = paths.first().and_then(|path| path.parent()?.file_name()).unwrap_or_default().to_string_lossy();
+    let folder =
+        burst.paths().first().and_then(|path| path.parent()?.file_name()).unwrap_or_default().to_string_lossy();
     let button = egui::Button::new(burst.label())
         .min_size(vec2(ui.available_width(), 24.0))
         .right_text(RichText::new(format!("in {folder}")).weak());

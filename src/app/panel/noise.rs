@@ -6,7 +6,6 @@ use crate::app::document::{Action, Queue, Side};
 use crate::app::panel::widgets::{instead_ui, small_text, warning_ui};
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::noise_model::NoiseModel;
-use crate::plane::display::ColourMap;
 use crate::requests::ViewKind;
 use egui::{Align2, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, Ui, vec2};
 
@@ -113,7 +112,7 @@ fn map_ui(ui: &mut Ui, model: Read<'_>, noise: &NoiseModel) {
     let cell_px = (width.max(height) as f32 / MAP_CELLS as f32).max(1.0);
     let map = noise.sigma_map((width, height), cell_px);
     let (min, max) = map.data().iter().fold((f32::INFINITY, 0.0f32), |(a, b), &x| (a.min(x), b.max(x)));
-    let lut = ColourMap::Viridis.lut();
+    let lut = crate::plane::display::ColourMap::Viridis.lut();
     let side = ((rect.width() - 8.0) / map.width() as f32).min((rect.height() - 24.0) / map.height() as f32);
     for y in 0..map.height() {
         for x in 0..map.width() {

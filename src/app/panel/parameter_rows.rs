@@ -1,11 +1,9 @@
 //! Row of a parameter, made from its record: its name, its editor, and the button that resets it.
 
 use crate::app::panel::widgets::{error_ui, hint};
-use crate::app::words::explained;
 use crate::detector::params::{Drag, Field, Param, ParamDoc};
 use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis};
 use crate::error::Error;
-use crate::teach::Part;
 use crate::teach::glossary::glossary;
 use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
 
@@ -56,7 +54,7 @@ impl<P: Clone> ParamTable<'_, P> {
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| editor(ui, value, label.id));
             });
         });
-        crate::app::parts::mark(ui, Part::parameter(record), row.response.rect);
+        crate::app::parts::mark(ui, crate::teach::Part::parameter(record), row.response.rect);
         if let Some(error) = wrong {
             error_ui(ui, RichText::new(format!("{}: {}", error.problem, error.remedy)).small());
         }
@@ -105,10 +103,9 @@ pub fn label_ui(ui: &mut Ui, doc: &ParamDoc, wrong: bool) -> egui::Response {
         let text = RichText::new(doc.label);
         let text = if wrong { text.color(ui.visuals().error_fg_color) } else { text };
         let label = ui.add(egui::Label::new(text).truncate());
-        let label = explained(label, &help, glossary().of_parameter(doc.name));
+        let label = crate::app::words::explained(label, &help, glossary().of_parameter(doc.name));
         if !doc.unit.is_empty() {
-            let unit = RichText::new(doc.unit).small().weak();
-            ui.add(egui::Label::new(unit).truncate()).on_hover_text(&help);
+            ui.add(egui::Label::new(RichText::new(doc.unit).small().weak()).truncate()).on_hover_text(&help);
         }
         label
     })
@@ -158,8 +155,7 @@ fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_coun
         let start = ui.add_sized(size, number(&mut range.start)).labelled_by(label);
         start.on_hover_text("First frame used, counted from 0");
         ui.weak("..");
-        let end = ui.add_sized(size, number(&mut range.end)).labelled_by(label);
-        end.on_hover_text("One past the last frame used");
+        ui.add_sized(size, number(&mut range.end)).labelled_by(label).on_hover_text("One past the last frame used");
     }
 }
 

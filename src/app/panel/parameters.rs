@@ -1,17 +1,14 @@
 //! Parameters of the detector: slopes, gate and number of features, and folded below them all others.
 
-use crate::app::actions::menu::item_ui;
 use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled};
 use crate::app::document::{Action, Panels, Side};
 use crate::app::panel::cursor::mark_fields;
 use crate::app::panel::parameter_rows as rows;
-use crate::app::panel::slopes::found_words;
 use crate::app::panel::widgets::{section_ui, weak_ui};
 use crate::app::results::Read;
 use crate::app::{parts, style};
 use crate::detector::params::{Param, doc};
 use crate::detector::{NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Slopes};
-use crate::inspect::words::capitalised;
 use crate::teach::Part;
 use egui::{Align, Layout, Rect, RichText, Ui};
 
@@ -25,7 +22,7 @@ pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             let on = presets.into_iter().find(|id| checked(*id, model) == Some(true));
             let name = on.map_or("Preset", |id| id.action().label.trim_start_matches("Preset "));
             ui.menu_button(format!("{name} ⏷"), |ui| {
-                presets.into_iter().for_each(|id| item_ui(ui, model, queue, id));
+                presets.into_iter().for_each(|id| crate::app::actions::menu::item_ui(ui, model, queue, id));
             });
             if enabled(ActionId::ResetParams, model) {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -97,12 +94,12 @@ impl Rows<'_> {
         });
         let finding = self.model.found_of(Side::A).and_then(|found| found.finding.as_ref());
         // Slopes that were found stand in the verdict, where it is drawn; why none were, as commands say it.
-        let words = |finding: &SlopeFinding| match found_words(finding) {
+        let words = |finding: &SlopeFinding| match crate::app::panel::slopes::found_words(finding) {
             Some(found) => self.model.document.panels.hall.then_some(found),
             None => Some(finding.summary()),
         };
         if let Some(finding) = finding.filter(|_| self.choice.is_auto()).and_then(words) {
-            weak_ui(ui, RichText::new(capitalised(&finding)).small());
+            weak_ui(ui, RichText::new(crate::inspect::words::capitalised(&finding)).small());
         }
     }
 
@@ -134,8 +131,7 @@ pub fn fold_ui(ui: &mut Ui, model: Read<'_>, is_needed: bool, changed: usize, qu
         egui::collapsing_header::paint_default_icon(ui, if is_open { 1.0 } else { 0.0 }, &icon);
         let title = ui.selectable_label(false, "Advanced").on_hover_text("All other parameters");
         if changed > 0 {
-            let text = format!("{changed} not the default");
-            ui.label(RichText::new(text).small().color(style::warning(ui)))
+            ui.label(RichText::new(format!("{changed} not the default")).small().color(style::warning(ui)))
                 .on_hover_text("Open to see which; ↺ resets one");
         }
         title.clicked() || icon.clicked()

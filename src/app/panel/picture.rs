@@ -3,7 +3,6 @@
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{CanvasOutput, Quantity, Readout, overlay};
 use crate::app::document::{FeaturesShown, RangeClass};
-use crate::app::measure::Tool;
 use crate::app::memo::{Itself, Memo};
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::paint;
@@ -66,8 +65,7 @@ impl PictureState {
             let of = |field: &MotionField| hidden.contains(&field.layer_at(u, v));
             !hidden.is_empty() && motion.field.as_ref().is_some_and(of)
         };
-        let line = line_of(&motion.grid, features);
-        let texture = self.colours.get((motion.into(), line, hidden.clone()), || {
+        let texture = self.colours.get((motion.into(), line_of(&motion.grid, features), hidden.clone()), || {
             let colours = motion.colours(features);
             // Only every n-th pixel, where the card cannot hold a picture of this size.
             let most = ui.ctx().input(|i| i.max_texture_side).max(1) as u32;
@@ -95,8 +93,7 @@ impl PictureState {
     pub(in crate::app) fn readout_at(&self, model: Read<'_>, id: PaneId, pos_image: egui::Pos2) -> Option<Readout> {
         let picture = model.picture_in(id)?;
         let is_seen = |shown: &&canvas::Picture| Arc::ptr_eq(&shown.plane, &picture.plane) && self.preview.is_none();
-        let shown = self.shown.as_ref().filter(is_seen)?;
-        let readout = canvas::readout(shown, pos_image, model.full_scale(id))?;
+        let readout = canvas::readout(self.shown.as_ref().filter(is_seen)?, pos_image, model.full_scale(id))?;
         let (u, v) = readout.pixel;
         let quantity = match (RangeClass::of(&picture.request), &picture.motion) {
             (RangeClass::Noise, _) => Quantity::Sigma,
@@ -118,8 +115,7 @@ impl PictureState {
         let by = model.document.colour_by;
         let of = || overlay::ColourScale::of(by, &detection.features, &detection.slopes);
         let scale = self.scale.get((detection.into(), by), of).clone();
-        let coherences = model.results.coherence.of(detection);
-        scale.with_coherences(coherences).with_set_up(model.document.set_up.depths_by())
+        scale.with_coherences(model.results.coherence.of(detection)).with_set_up(model.document.set_up.depths_by())
     }
 }
 
@@ -129,8 +125,7 @@ pub(in crate::app) fn canvas_picture(picture: &PictureAnswer) -> canvas::Picture
         (preview.octave, [preview.region.columns.start, preview.region.rows.start])
     });
     let on_canvas = canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label);
-    let first = first.map(|at| at as f32).into();
-    canvas::Picture { drawn: picture.drawn.clone(), first, ..on_canvas }
+    canvas::Picture { drawn: picture.drawn.clone(), first: first.map(|at| at as f32).into(), ..on_canvas }
 }
 
 pub fn describe(picture: &PictureAnswer) -> String {
@@ -148,11 +143,8 @@ fn describe_request(request: &PictureRequest) -> String {
             let name = burst.frame_names.get(index).map_or("", String::as_str);
             let place = format!("Frame {index} of {} (0 … {})", burst.len(), burst.len() - 1);
             // Bursts without files name their frames by number, which the text already has.
-            return if name.is_empty() || *name == format!("frame {index}") {
-                place
-            } else {
-                format!("{place}  ·  {name}")
-            };
+            let is_told = name.is_empty() || *name == format!("frame {index}");
+            return if is_told { place } else { format!("{place}  ·  {name}") };
         }
         PictureKind::Merge => {
             let used = request.params.used_frames(burst.len());
@@ -173,7 +165,7 @@ pub(in crate::app) fn at_time(feature: &Feature, from_middle: Offset<f32>) -> Fe
 
 pub fn stale_ui(ui: &mut Ui, model: Read<'_>, rect: Rect, queue: &mut Queue) {
     let Some(stale) = model.stale() else { return };
-    if model.document.measure.tool == Tool::Mask
+    if model.document.measure.tool == crate::app::measure::Tool::Mask
         || model.document.look.overlay == FeaturesShown::None
         || model.results.slots.a.detecting.is_pending()
     {

@@ -9,7 +9,6 @@ use crate::app::results::{Own, Read};
 use crate::detector::{Advice, ParamChange};
 use crate::inspect::words::counted;
 use egui::{Align, Align2, Area, Button, Frame, Id, Label, Layout, RichText, Ui, vec2};
-use std::time::Duration;
 
 /// Points by which the room of a value grows.
 const READOUT_STEP: f32 = 80.0;
@@ -75,8 +74,7 @@ fn notes_ui(ui: &mut Ui, model: Read<'_>) {
     }
     // What was taken as the files say it is no fault.
     let is_warning = notes.len() > burst.taken.len();
-    let words = if is_warning { "warning" } else { "note" };
-    let title = RichText::new(counted(notes.len(), words));
+    let title = RichText::new(counted(notes.len(), if is_warning { "warning" } else { "note" }));
     ui.menu_button(if is_warning { title.color(crate::app::style::warning(ui)) } else { title.weak() }, |ui| {
         ui.set_max_width(420.0);
         for note in notes {
@@ -111,9 +109,8 @@ pub fn messages_ui(ctx: &egui::Context, messages: &Messages, below: f32, queue: 
                 ui.horizontal(|ui| {
                     ui.label(RichText::new(&message.title).strong().color(colour));
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        let name = format!("Dismiss: {}", message.title);
                         let close = ui.add(egui::Button::new("✖").frame(false)).on_hover_text("Dismiss");
-                        named(&close, egui::Role::Button, name);
+                        named(&close, egui::Role::Button, format!("Dismiss: {}", message.title));
                         queue.push_if(close.clicked(), Action::DismissMessage(message.id));
                         if ui.small_button("Copy").on_hover_text("Copy the message").clicked() {
                             ui.ctx().copy_text(format!("{}: {}", message.title, message.text));
@@ -163,7 +160,7 @@ pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
     answer.map(|removes| if removes { RecoveryChoice::Remove } else { RecoveryChoice::Keep })
 }
 
-fn ago(age: Duration) -> String {
+fn ago(age: std::time::Duration) -> String {
     let minutes = age.as_secs() / 60;
     let (count, unit) = match minutes {
         0 => return "just now".to_owned(),

@@ -5,12 +5,10 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::filter::{at_slope, range_name, ranged, ranged_quantities};
 use crate::app::document::{Action, Filter, Interval, Order, Pointed, Side};
 use crate::app::inspector::feature_items_ui;
-use crate::app::panel::tally;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
 use crate::app::results::Read;
 use crate::app::view::{KnownOfFeature, layer_text, quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
-use crate::detector::quantity::Record;
 use crate::detector::{Moves, Quantity};
 use crate::inspect::place::Verdict;
 use egui::containers::menu::{MenuButton, MenuConfig};
@@ -19,7 +17,7 @@ use egui_extras::{Column as TableColumn, TableBuilder};
 
 impl SortedColumn for Quantity {
     fn look(self) -> Heading {
-        let Record { heading, help, term, width, .. } = self.record();
+        let crate::detector::quantity::Record { heading, help, term, width, .. } = self.record();
         Heading { text: heading, help, term, width, ..Heading::default() }
     }
 }
@@ -112,12 +110,8 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
         let cells = texts(&headings, |column, index| text(columns[column], index));
         let clicked = rows_ui(ui, &headings, Some((sorted_by, order.descending)), listed, cells, name, |row, index| {
             row.context_menu(|ui| menu(ui, index));
-            if row.hovered() {
-                pointed.hovered = Some(index);
-            }
-            if row.clicked() {
-                pointed.selected = Some(index);
-            }
+            pointed.hovered = row.hovered().then_some(index).or(pointed.hovered);
+            pointed.selected = row.clicked().then_some(index).or(pointed.selected);
         });
         if let Some(column) = clicked {
             pointed.order = order.clicked(columns[column]);
@@ -180,9 +174,7 @@ pub(in crate::app) fn rows_ui(
                 if !heading.help.is_empty() {
                     cell = explained(cell, heading.help, heading.term.and_then(word));
                 }
-                if sorted.is_some() && cell.clicked() {
-                    clicked = Some(column);
-                }
+                clicked = (sorted.is_some() && cell.clicked()).then_some(column).or(clicked);
             }
         })
         .body(|body| {
@@ -195,9 +187,7 @@ pub(in crate::app) fn rows_ui(
                 }
                 let response = row.response();
                 named(&response, egui::Role::Row, name(item));
-                if response.clicked() {
-                    now_selected = Some(item);
-                }
+                now_selected = response.clicked().then_some(item).or(now_selected);
                 on_row(&response, item);
             });
         });
@@ -255,7 +245,7 @@ pub fn filter_bar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     queue.edit(model.document, Action::SetFilter(filter));
     if !model.document.filter.is_open() {
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
-        tally::expected_ui(ui, model, queue);
+        crate::app::panel::tally::expected_ui(ui, model, queue);
     }
 }
 
@@ -306,7 +296,7 @@ fn layers_ui(ui: &mut Ui, model: Read<'_>, filter: &mut Filter) {
         let names = (1..).zip(&field.layers).map(|(number, layer)| (number, layer_text(number, layer)));
         egui::ScrollArea::vertical().max_height(LAYERS_HEIGHT).show(ui, |ui| {
             ui.vertical(|ui| {
-                for (number, name) in names.chain([(0, NO_LAYER.to_owned())]) {
+                for (number, name) in names.chain([(0, "no layer".to_owned())]) {
                     layer_ui(ui, filter, number, &name);
                 }
             });
@@ -328,16 +318,12 @@ fn layer_ui(ui: &mut Ui, filter: &mut Filter, number: i32, name: &str) {
         let tip = "Show or hide what moves with this layer: features, and places in the field of motion";
         let switch = ui.add_enabled(filter.solo_layer.is_none(), egui::Checkbox::new(&mut is_on, name));
         if switch.on_hover_text(tip).on_disabled_hover_text("One layer is shown alone: see solo").changed() {
-            if is_on {
-                filter.hidden_layers.remove(&number);
-            } else {
-                filter.hidden_layers.insert(number);
-            }
+            let hidden = &mut filter.hidden_layers;
+            _ = if is_on { hidden.remove(&number) } else { hidden.insert(number) };
         }
     });
 }
 
-const NO_LAYER: &str = "no layer";
 /// Maximum height of the list of layers, points.
 const LAYERS_HEIGHT: f32 = 130.0;
 

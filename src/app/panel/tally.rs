@@ -3,18 +3,13 @@
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_circles, rgb};
 use crate::app::canvas::{CanvasOutput, number};
 use crate::app::document::{Action, Destination, Pointed, Queue, Side};
-use crate::app::inspector::chip_ui;
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{instead_ui, label_ui, progress_text, tip_ui, weak_ui, with_whole_numbers};
 use crate::app::results::{FoundFeatures, Read};
-use crate::app::view::signed_slope;
-use crate::detector::advice::grouped;
-use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{NoiseGate, Slope, Test};
 use crate::inspect::place::{CandidateMark, ProbeSubject, Survey};
 use crate::inspect::result::{DecoyReport, DecoyStudy, Decoys};
 use crate::inspect::words::{capitalised, counted, sentence};
-use crate::plane::display::ColourMap;
 use crate::requests::{JobError, ProbeQuestion, ViewKind};
 use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 use std::sync::Arc;
@@ -53,7 +48,7 @@ pub fn tally_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let most = tally.rejected.iter().copied().max().unwrap_or(0).max(tally.kept).max(1);
         line_ui(ui, "Samples of D examined", [Some(tally.samples), None], None, None);
         if tally.not_searched > 0 {
-            line_ui(ui, NOT_SEARCHED, [Some(tally.not_searched), None], None, None);
+            line_ui(ui, crate::detector::test::NOT_SEARCHED, [Some(tally.not_searched), None], None, None);
         }
         // Without masks nothing is told of them.
         let told = |test: &Test| *test != Test::Seen || tally.rejected_by(*test) > 0;
@@ -144,7 +139,7 @@ fn line_ui(ui: &mut Ui, name: &str, counts: [Option<u64>; 2], bar: Option<(u64, 
             label_ui(ui, name, NAME_WIDTH);
         }
         for count in counts.into_iter().flatten() {
-            count_ui(ui, RichText::new(grouped(count)).monospace());
+            count_ui(ui, RichText::new(crate::detector::advice::grouped(count)).monospace());
         }
         if let Some((most, colour)) = bar {
             let room = (ui.available_width() - 8.0).clamp(40.0, 420.0);
@@ -165,8 +160,7 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
     let Some(test) = model.document.shown_test else {
         return queue.point(&model.results.explained.pointed, None, Pointed::Candidate);
     };
-    let is_of_a = model.document.panes.is_on(id, Side::A);
-    let Some(found) = model.found_of(Side::A).filter(|_| is_of_a) else { return };
+    let Some(found) = model.found_of(Side::A).filter(|_| model.document.panes.is_on(id, Side::A)) else { return };
     let dt = model.frames_from_middle(id, &found.detection).unwrap_or_default();
     let slopes = found.detection.slopes;
     let Some(survey) = model.survey() else {
@@ -185,8 +179,7 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
     let more = if survey.marks.len() > drawn { format!(" (the {drawn} strongest)") } else { String::new() };
     let min_snr = crate::inspect::place::SurveyOptions::default().min_snr;
     note_ui(ui, output, &format!("{all}{more}: {}; SNR ≥ {min_snr}", test.reason()));
-    let clip = output.painter.clip_rect();
-    let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos)) else { return };
+    let Some(pointer) = output.pointer_ui.filter(|pos| output.painter.clip_rect().contains(*pos)) else { return };
     let pointed = circle_at(output, &circles, pointer).map(|place| shown[place]);
     // The pointer meets the topmost marks, not the features below them.
     queue.point(&model.results.explained.pointed, pointed, Pointed::Candidate);
@@ -212,7 +205,7 @@ fn strongest(survey: &Arc<Survey>) -> Vec<usize> {
 /// Colour of a margin: yellow for nearly passed, dark for far from it.
 fn margin_colour(margin: Option<f32>) -> Color32 {
     let t = 1.0 + margin.unwrap_or(-0.5).clamp(-1.0, 0.0);
-    rgb(ColourMap::Viridis.lut()[(255.0 * (0.25 + 0.75 * t)) as usize])
+    rgb(crate::plane::display::ColourMap::Viridis.lut()[(255.0 * (0.25 + 0.75 * t)) as usize])
 }
 
 fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
@@ -222,7 +215,7 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
         (Some(test), None) => test.reason().to_owned(),
         (None, _) => "kept".to_owned(),
     };
-    let (u, v, slope) = (number(u, 4), number(v, 4), signed_slope(slope, 2));
+    let (u, v, slope) = (number(u, 4), number(v, 4), crate::app::view::signed_slope(slope, 2));
     let CandidateMark { sigma, value, snr, sample, .. } = mark;
     let (octave, level) = (sample.octave, sample.level);
     format!("candidate at ({u}, {v})  σ {sigma:.2} px\noctave {octave} level {level}  slope ({slope}) px/frame\n")
@@ -253,7 +246,7 @@ pub fn selected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 }
 
 fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
-    chip_ui(ui, output, Align2::CENTER_TOP, text, "candidates").on_hover_text(
+    crate::app::inspector::chip_ui(ui, output, Align2::CENTER_TOP, text, "candidates").on_hover_text(
         "Yellow: nearly passed; dark: failed by far. Point at a circle to read its numbers; click to keep them on the screen",
     );
 }
@@ -261,10 +254,9 @@ fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::Sample;
 
     fn mark(snr: f32) -> CandidateMark {
-        let sample = Sample { octave: 0, level: 1, slope_index: 3, x: 10, y: 20 };
+        let sample = crate::detector::Sample { octave: 0, level: 1, slope_index: 3, x: 10, y: 20 };
         let (pos_image, first_failed, margin) = ([10.5, 20.0], Some(Test::NoiseGate), Some(-0.125));
         CandidateMark { pos_image, sigma: 2.0, sample, value: -0.0123, snr, first_failed, margin }
     }

@@ -98,14 +98,13 @@ fn pair_found_ui(ui: &mut Ui, model: Read<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::results::Model;
     use crate::requests::JobId;
     use crate::teach::Workspace;
 
     #[test]
     fn of_two_bursts_it_is_said_for_which_one_there_is_work() {
         let running = |id| Some(Running { id: JobId(id), started: std::time::Instant::now(), progress: None });
-        let mut model = Model::default();
+        let mut model = crate::app::results::Model::default();
         let told = |model: Read<'_>| activity(model).map(|(who, running)| (who, running.id.0));
         assert_eq!(told(Read::of(&model)), None);
         model.results.pair.matching.running = running(3);

@@ -9,7 +9,6 @@ use crate::app::panel::widgets::{named, progress_ui};
 use crate::app::results::Read;
 use crate::app::settings::Settings;
 use crate::app::style;
-use crate::requests::BurstSource;
 use egui::{Align2, Area, Button, Color32, Context, Frame, Id, Rect, RichText, ScrollArea, Stroke, Ui, vec2};
 
 pub fn welcome_ui(ui: &mut Ui, model: Read<'_>, remembered: &Settings, lessons: &Lessons, queue: &mut Queue) -> Chosen {
@@ -81,7 +80,7 @@ const CARD_ROOM: egui::Vec2 = vec2(400.0, 260.0);
 
 /// Draws the card over the picture in `rect_ui`, if it is shown. Returns the chosen lesson.
 pub fn card_ui(ctx: &Context, model: Read<'_>, lessons: &Lessons, rect_ui: Rect, queue: &mut Queue) -> Chosen {
-    let of_demo = model.burst_of(Side::A).is_some_and(|open| open.source == BurstSource::Demo);
+    let of_demo = model.burst_of(Side::A).is_some_and(|open| open.source == crate::requests::BurstSource::Demo);
     let inspects_demo = of_demo && !model.is_in_lesson() && model.document.workspace.inspects();
     let has_room = rect_ui.width() >= CARD_ROOM.x && rect_ui.height() >= CARD_ROOM.y;
     if !(model.document.panels.welcome && inspects_demo && has_room) {

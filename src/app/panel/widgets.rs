@@ -12,7 +12,6 @@ use egui::{
     WidgetText, mutex::Mutex, pos2, vec2,
 };
 use egui_plot::Plot;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -54,14 +53,13 @@ pub fn instead_ui(ui: &mut Ui, text: impl Into<String>) {
 pub fn progress_ui(ui: &mut Ui, running: &Running, width: Option<f32>, text: &str) {
     let fraction = running.progress.map_or(0.0, |p| p.fraction);
     let width = width.unwrap_or_else(|| ui.available_size_before_wrap().x.max(96.0));
-    let response = ui.add(ProgressBar::new(fraction).desired_width(width).text(fitting(ui, text, width)));
-    response.on_hover_text(text);
+    let bar = ProgressBar::new(fraction).desired_width(width).text(fitting(ui, text, width));
+    ui.add(bar).on_hover_text(text);
 }
 
 /// The parts of `text`, which two spaces separate, that a bar of `width` points holds, the first ones first.
-fn fitting(ui: &Ui, text: &str, width: f32) -> String {
+fn fitting(ui: &Ui, mut text: &str, width: f32) -> String {
     let room = width - 2.0 * ui.spacing().item_spacing.x;
-    let mut text = text;
     while let Some((shorter, _)) = text.rsplit_once("  ").filter(|_| text_width(ui, text) > room) {
         text = shorter.trim_end();
     }
@@ -157,7 +155,7 @@ pub fn paint(painter: &Painter, texture: TextureId, rect: Rect) {
 
 /// Textures of values, by the names under which these are drawn.
 #[derive(Clone, Default)]
-struct Textures(Arc<Mutex<BTreeMap<String, Drawn>>>);
+struct Textures(Arc<Mutex<std::collections::BTreeMap<String, Drawn>>>);
 
 /// Origin of a texture, the texture, and the number of the pass that drew it last.
 type Drawn = (PlaneKey, TextureHandle, u64);
@@ -306,15 +304,7 @@ pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color
 
 /// Width of a text in one line, points.
 pub fn text_width(ui: &Ui, text: impl Into<WidgetText>) -> f32 {
-    let wrap = Some(egui::TextWrapMode::Extend);
-    text.into().into_galley(ui, wrap, f32::INFINITY, egui::TextStyle::Body).size().x
-}
-
-/// Continues a wrapping row on its next line if `width` points do not fit into this one, which would cut the item.
-pub fn make_room(ui: &mut Ui, width: f32) {
-    if ui.available_size_before_wrap().x < width {
-        ui.end_row();
-    }
+    text.into().into_galley(ui, Some(egui::TextWrapMode::Extend), f32::INFINITY, egui::TextStyle::Body).size().x
 }
 
 pub fn label_ui(ui: &mut Ui, text: impl Into<WidgetText>, width: f32) -> Response {
@@ -348,13 +338,11 @@ pub fn name_field(response: &Response, name: &str, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::Stage;
 
     #[test]
     fn a_bar_holds_whole_parts_of_its_text() {
-        let context = egui::Context::default();
         let text = "Search  45 %  about 1 s left";
-        let mut output = context.run_ui(egui::RawInput::default(), |ui| {
+        let mut output = Context::default().run_ui(egui::RawInput::default(), |ui| {
             let whole = text_width(ui, text) + 2.0 * ui.spacing().item_spacing.x;
             let held = [whole + 1.0, whole - 1.0, 1.0].map(|width| fitting(ui, text, width));
             assert_eq!(held, [text, "Search  45 %", "Search"]);
@@ -375,7 +363,7 @@ mod tests {
         assert_eq!(time_left_text(Duration::from_millis(3400)), "about 4 s left");
         assert_eq!(time_left_text(Duration::from_millis(10)), "about 1 s left");
         assert_eq!(time_left_text(Duration::from_secs(61)), "about 2 min left");
-        let at = |fraction| Some(Progress { stage: Stage::Describe, fraction });
+        let at = |fraction| Some(Progress { stage: crate::monitor::Stage::Describe, fraction });
         let left = Some(Duration::from_millis(10_400));
         assert_eq!(stage_text(at(0.5), left), "Describing features  50 %  about 11 s left");
         assert_eq!(stage_text(at(0.01), None), "Describing features  1 %", "too early to say");
@@ -384,8 +372,7 @@ mod tests {
 
     #[test]
     fn long_names_keep_both_ends() {
-        let ctx = egui::Context::default();
-        let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
+        let mut output = Context::default().run_ui(egui::RawInput::default(), |ui| {
             let font = FontId::proportional(11.0);
             let elided = |name: &str| middle_elided(ui.painter(), name, &font, Color32::WHITE, 60.0);
             assert_eq!(elided("night").text(), "night");

@@ -12,8 +12,6 @@ use crate::app::results::Read;
 use crate::engine::{Engine, TaskDone, TaskId};
 use crate::files::{MAX_SESSION_BYTES, read_text, written_by};
 use crate::requests::JobId;
-use std::collections::VecDeque;
-use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant, SystemTime};
@@ -61,14 +59,14 @@ pub struct Recovery {
     failed: Option<String>,
     looked: Option<Instant>,
     writing: Option<TaskId>,
-    left: VecDeque<(Record, String)>,
+    left: std::collections::VecDeque<(Record, String)>,
     /// Request that opens the burst of the session that is restored.
     pub restoring: Option<JobId>,
     pub is_asking: bool,
 }
 
 impl Recovery {
-    pub fn new(kept: &KeptIn) -> io::Result<Self> {
+    pub fn new(kept: &KeptIn) -> std::io::Result<Self> {
         let own = Arc::new(Record::new(&kept.folder)?);
         // A session that this program cannot read, of a newer version for example, is left in place.
         let readable = |record: Record| {
@@ -101,8 +99,7 @@ impl Recovery {
         self.given = Some(text.clone());
         // A late write must not replace a newer text: its turn orders it among the others.
         let (record, turn) = (self.own.clone(), self.own.turn());
-        let write = move || record.write_in_turn(&text, turn).map(|()| String::new());
-        self.writing = Some(engine.task(TITLE, write));
+        self.writing = Some(engine.task(TITLE, move || record.write_in_turn(&text, turn).map(|()| String::new())));
         None
     }
 
@@ -142,7 +139,8 @@ impl Recovery {
             // Files and the other windows' turn at them stay; this window has no more to do with them.
             RecoveryChoice::Later => self.left.clear(),
             RecoveryChoice::Remove => {
-                self.forget();
+                let offered = if self.restoring.is_none() { self.left.pop_front() } else { None };
+                offered.into_iter().for_each(|(record, _)| record.remove());
                 messages.note("Removed the saved session");
             }
             RecoveryChoice::Restore => return Some(self.left.front()?.0.session.clone()),
@@ -155,14 +153,6 @@ impl Recovery {
         let age = record.saved().and_then(|saved| SystemTime::now().duration_since(saved).ok()).unwrap_or_default();
         let (is_restoring, is_asking) = (self.restoring.is_some(), self.is_asking);
         Some(Offer { label: label.clone(), age, more: self.left.len() - 1, is_restoring, is_asking })
-    }
-
-    fn forget(&mut self) {
-        if self.restoring.is_none()
-            && let Some((record, _)) = self.left.pop_front()
-        {
-            record.remove();
-        }
     }
 
     /// If it was that of the offer and `is_done`, the offered record replaces the window's own.

@@ -4,7 +4,6 @@
 //! of the system as long as it lives. A session without a lock is one whose window did not end in the ordinary way.
 
 use crate::export::write_whole;
-use crate::files::open_as;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -30,9 +29,6 @@ struct Held {
     lock: Option<File>,
     written: u64,
 }
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Turn(u64);
 
 impl Record {
     pub fn new(folder: &Path) -> io::Result<Self> {
@@ -60,11 +56,10 @@ impl Record {
         let mut found = Vec::new();
         for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
             let path = entry.path();
-            let extension = path.extension().and_then(|extension| extension.to_str());
-            let session = path.with_extension(SESSION);
-            if !matches!(extension, Some(SESSION | LOCK)) {
+            if !path.extension().is_some_and(|extension| extension == SESSION || extension == LOCK) {
                 continue;
             }
+            let session = path.with_extension(SESSION);
             let Ok(Some(lock)) = locked(&session) else { continue };
             let record = Self::of(session, lock);
             match record.saved() {
@@ -89,8 +84,8 @@ impl Record {
         std::fs::metadata(&self.session).ok()?.modified().ok()
     }
 
-    pub fn turn(&self) -> Turn {
-        Turn(self.newest.fetch_add(1, Ordering::Relaxed) + 1)
+    pub fn turn(&self) -> u64 {
+        self.newest.fetch_add(1, Ordering::Relaxed) + 1
     }
 
     pub fn write(&self, text: &str) -> Result<(), String> {
@@ -98,7 +93,7 @@ impl Record {
     }
 
     /// Does nothing if a newer text was written meanwhile, or the record was removed.
-    pub fn write_in_turn(&self, text: &str, Turn(turn): Turn) -> Result<(), String> {
+    pub fn write_in_turn(&self, text: &str, turn: u64) -> Result<(), String> {
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         if held.lock.is_none() || held.written > turn {
             return Ok(());
@@ -122,7 +117,7 @@ impl Record {
 /// Locks `session`; `None` if the lock is held already, or its owner has just removed it.
 fn locked(session: &Path) -> io::Result<Option<File>> {
     let path = session.with_extension(LOCK);
-    let file = open_as(&path, OpenOptions::new().create(true).truncate(false).write(true))?;
+    let file = crate::files::open_as(&path, OpenOptions::new().create(true).truncate(false).write(true))?;
     match file.try_lock() {
         // Between opening and locking its owner may have removed it.
         Ok(()) => Ok(path.exists().then_some(file)),

@@ -9,7 +9,6 @@ use crate::app::results::Read;
 use crate::app::workspace::pair::parameters;
 use crate::app::workspace::{WorkspaceParts, left_panel, right_panel, side_width};
 use crate::inspect::words::counted;
-use crate::requests::next_commands;
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 
 pub(super) fn matches_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
@@ -23,7 +22,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
             pairs_ui(ui, model, queue);
             selected_ui(ui, model, queue);
             next_ui(ui, model, queue);
-            parameters::dataset_parameters_ui(ui, model, queue);
+            parameters::parameters_ui(ui, model, queue);
         });
     }
     let mut opened = None;
@@ -86,8 +85,7 @@ fn pairs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let Some(dataset) = &model.results.datasets.open else { return };
         let (count, done) = (dataset.bursts.len(), dataset.counts().done);
         if done < count {
-            let missing = count - done;
-            let text = format!("{missing} of {count} bursts have no features yet; pairs with them are left out");
+            let text = format!("{} of {count} bursts have no features yet; pairs with them are left out", count - done);
             warning_ui(ui, RichText::new(text).small());
         }
         if !dataset.matches.counts.is_empty() && dataset.matches.params != model.document.matching {
@@ -102,10 +100,9 @@ fn next_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Next", |ui| {
         button_ui(ui, model, queue, ActionId::ExportDatabase, None);
         let Some((folder, knows_cameras)) = &model.results.datasets.exported else { return };
-        let [make, map, python] = next_commands(folder, *knows_cameras);
+        let [make, map, python] = crate::requests::next_commands(folder, *knows_cameras);
         ui.add_space(4.0);
-        let lines = [("COLMAP", format!("{make} && {map}")), ("pycolmap", python)];
-        for (name, line) in lines {
+        for (name, line) in [("COLMAP", format!("{make} && {map}")), ("pycolmap", python)] {
             if ui.button(format!("Copy the line for {name}")).on_hover_text(&line).clicked() {
                 ui.copy_text(line);
             }

@@ -182,10 +182,9 @@ fn strip_ui(ui: &mut Ui, panel: Panel, toggle: ActionId, contents: &str, queue: 
 
 fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     let (model, WorkspaceParts { widgets, queue, .. }) = (parts.model, parts);
-    let width = side_width(model);
     folded_ui(ui, model, queue);
     if model.shows_left() {
-        left_side(ui, model, "left", width).show(ui, |ui| {
+        left_side(ui, model, "left", side_width(model)).show(ui, |ui| {
             // The verdict stays in sight, and nothing above moves when it changes.
             let below = Frame::new().inner_margin(Margin { top: 4, ..Margin::ZERO });
             if !model.document.panels.hall {
@@ -274,9 +273,8 @@ const STRIP_HEIGHT: f32 = 84.0;
 
 fn trajectories_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
     let (model, WorkspaceParts { queue, .. }) = (parts.model, parts);
-    let width = side_width(model).max(330.0);
     if model.shows_right() {
-        right_panel(ui, model, "trajectories right", width, 280.0..=520.0, |ui| {
+        right_panel(ui, model, "trajectories right", side_width(model).max(330.0), 280.0..=520.0, |ui| {
             scroll_ui(ui, |ui| errors_panel::errors_panel_ui(ui, model, queue));
         });
     }

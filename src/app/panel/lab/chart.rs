@@ -8,7 +8,6 @@ use crate::app::results::Read;
 use crate::app::view::nearest;
 use crate::inspect::result::Scored;
 use crate::inspect::words::number;
-use crate::plane::display::Display;
 use crate::study::{ShownChart, StudyPoint};
 use egui::{Color32, ComboBox, Pos2, Sense, Stroke, Ui, vec2};
 
@@ -108,7 +107,7 @@ fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Scored]) {
     let (width, height) = shown.mean.size();
     let scale = ui.available_width() / width as f32;
     let (rect, response) = ui.allocate_exact_size(vec2(width as f32, height as f32) * scale, Sense::hover());
-    let display = Display::stretched(&shown.mean);
+    let display = crate::plane::display::Display::stretched(&shown.mean);
     draw_plane(ui, ("lab chart", rect), display, Some(((&shown.mean).into(), WHOLE, || (*shown.mean).clone())));
     let pos_ui = |u: f32, v: f32| rect.min + scale * vec2(u + 0.5, v + 0.5);
     let painter = ui.painter().with_clip_rect(rect);

@@ -4,7 +4,6 @@ use super::curve_colour;
 use crate::app::document::{Action, CompareLook, LabSet, MethodId, Queue, Side};
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::results::{LabResult, Read};
-use crate::app::view::nearest;
 use crate::detector::ParamChange;
 use crate::detector::params::doc;
 use crate::evaluate::BurstMethod;
@@ -92,9 +91,8 @@ fn same_false_rate_ui(ui: &mut Ui, model: Read<'_>, rate: SameFalseRate, queue: 
         "Peak thresholds at which {share} of the detections on charts of SNR {snr} is false, as the paper compares methods:\n{lines}"
     );
     tip += "Methods compares at these; the search takes that of its own method. They hold for bursts as dark as the charts.";
-    let text = format!("Search at {share} false");
     ui.horizontal(|ui| {
-        if ui.button(text).on_hover_text(tip).clicked() {
+        if ui.button(format!("Search at {share} false")).on_hover_text(tip).clicked() {
             if let Some(threshold) = own {
                 queue.push(Action::Change(vec![ParamChange::new(doc::PEAK_THRESHOLD, threshold)]));
             }
@@ -211,7 +209,7 @@ fn plot_ui(
     let pos = drawn.response.hover_pos()?;
     let at = |point: &SeriesPoint| drawn.transform.position_from_point(&PlotPoint::new(point.x, point.y));
     let points = curves.iter().flat_map(|one| one.curve.line.points.iter().map(move |point| (one, point)));
-    let (one, point) = nearest(points.map(|of| (at(of.1).distance(pos), of)), REACH_UI)?;
+    let (one, point) = crate::app::view::nearest(points.map(|of| (at(of.1).distance(pos), of)), REACH_UI)?;
     let clicked = drawn.response.clicked();
     let value = |y: f64| number(y as f32, 2);
     let spread = point.spread.map_or_else(String::new, |[low, high]| format!(" ({} to {})", value(low), value(high)));

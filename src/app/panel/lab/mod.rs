@@ -11,7 +11,6 @@ use crate::app::document::{Action, Lab, LabQuestion};
 use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, progress_ui, section_ui, weak_ui};
 use crate::app::results::Read;
 use crate::app::results::studies::Studies;
-use crate::evaluate::BurstMethod;
 use egui::{Color32, DragValue, RichText, Role, TextEdit, Ui};
 
 const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
@@ -41,7 +40,7 @@ pub fn lab_settings_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Settings", |ui| form::form_ui(ui, &mut lab));
     if model.document.lab.question.compares_methods() {
         section_ui(ui, "Methods", |ui| {
-            for method in BurstMethod::ALL {
+            for method in crate::evaluate::BurstMethod::ALL {
                 let mut on = lab.methods.contains(&method);
                 ui.horizontal(|ui| {
                     dot_ui(ui, curve_colour(ui, method.line().0));

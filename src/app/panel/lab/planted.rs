@@ -5,7 +5,6 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Lab};
 use crate::app::panel::widgets::{WHOLE, dots_ui, draw_plane, named, only_ui, weak_ui};
 use crate::app::results::Read;
-use crate::app::view::nearest;
 use crate::detector::Test;
 use crate::inspect::words::number;
 use crate::plane::display::{ColourMap, Display};
@@ -82,7 +81,7 @@ fn map_ui(ui: &mut Ui, model: Read<'_>, report: &RecoverReport) -> Option<(u64, 
     }
     named(&response, egui::Role::Image, format!("Map of {} planted things", report.planted.len()));
     let pos = response.hover_pos()?;
-    let pointed = nearest(in_range().map(|one| (pos_ui(one).distance(pos), one)), REACH_UI)?;
+    let pointed = crate::app::view::nearest(in_range().map(|one| (pos_ui(one).distance(pos), one)), REACH_UI)?;
     let clicked = response.clicked().then_some((pointed.seed, pointed.truth.id));
     response.on_hover_text_at_pointer(thing_text(pointed));
     clicked

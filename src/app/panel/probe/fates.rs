@@ -10,7 +10,6 @@ use crate::inspect::place::{Fate, Needed, Outcome, Probe, ProbeSubject, TestRepo
 use crate::inspect::words::{number, sentence, slope_text, value_text};
 use crate::requests::{ProbeQuestion, Probed};
 use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, Ui, vec2};
-use std::ops::Range;
 
 const ROW: f32 = 18.0;
 const ROWS_SEEN: usize = 6;
@@ -59,7 +58,7 @@ fn scale_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     named(&combo.response.on_hover_text(help), egui::Role::ComboBox, format!("Scale of candidates: {text}"));
 }
 
-fn list_ui(ui: &mut Ui, answer: &Probed, listed: Range<usize>, queue: &mut Queue) {
+fn list_ui(ui: &mut Ui, answer: &Probed, listed: std::ops::Range<usize>, queue: &mut Queue) {
     let (fates, first) = (&answer.probe.fates[listed.clone()], listed.start);
     heading_ui(ui);
     let seen = fates.len().min(ROWS_SEEN) as f32;
@@ -83,8 +82,7 @@ const COLUMNS: [(f32, Align2); 5] = {
 
 fn heading_ui(ui: &mut Ui) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
-    let names = ["away", "σ px", "slope", "SNR", "fails first at"];
-    for (name, (x, align)) in names.into_iter().zip(COLUMNS) {
+    for (name, (x, align)) in ["away", "σ px", "slope", "SNR", "fails first at"].into_iter().zip(COLUMNS) {
         small_text(ui, ui.painter(), egui::pos2(rect.left() + x * rect.width(), rect.center().y), align, name);
     }
     response.on_hover_text(

@@ -50,7 +50,7 @@ fn probe_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(answer) = &model.results.probed.answer else {
         if model.document.probe.question.is_none() {
             ui.add_space(4.0);
-            weak_ui(ui, HOW);
+            weak_ui(ui, "Shift+click a place of a picture to see why there is a feature, or why there is none.");
         }
         return;
     };
@@ -78,8 +78,6 @@ fn probe_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         });
     });
 }
-
-const HOW: &str = "Shift+click a place of a picture to see why there is a feature, or why there is none.";
 
 fn tools_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| {
@@ -183,9 +181,8 @@ fn go_to_ui(ui: &mut Ui, model: Read<'_>, feature: Option<usize>, place: ([f32; 
 
 fn apply_ui(ui: &mut Ui, model: Read<'_>, change: &ParamChange, queue: &mut Queue) {
     let (side, label) = (model.document.probe.side, change.label());
-    let button = ui.add_enabled(model.takes_advice(side), egui::Button::new("Apply"));
     let tip = format!("Set {label} and detect again; Undo reverts it\n{}", change.option());
-    let response = button.on_hover_text(tip);
+    let response = ui.add_enabled(model.takes_advice(side), egui::Button::new("Apply")).on_hover_text(tip);
     named(&response, egui::Role::Button, format!("Apply {label}"));
     if response.clicked() {
         queue.push(Action::ApplyChanges(side, vec![change.clone()]));

@@ -397,9 +397,7 @@ mod tests {
         let bar = |range, gate| ColourBar { range, gate: Some(gate), pointed: None };
         assert_eq!(bar(10.0, 4.6).ticks(150.0), [10.0, -10.0, 0.0, 4.6, -4.6]);
         assert_eq!(bar(5.0, 4.6).ticks(150.0), [5.0, -5.0, 0.0], "the gate is too near to the ends");
-        assert_eq!(
-            (text(-0.04, Some(4.6)), text(-12.34, Some(4.6)), text(-0.0123, None)),
-            ("0".into(), "−12".into(), "−1e−2".into())
-        );
+        let texts = [(-0.04, Some(4.6)), (-12.34, Some(4.6)), (-0.0123, None)].map(|(value, gate)| text(value, gate));
+        assert_eq!(texts, ["0", "−12", "−1e−2"]);
     }
 }

@@ -7,7 +7,6 @@ use crate::app::style;
 use crate::detector::Slope;
 use crate::inspect::slopes::{SlopeBar, Spectrum};
 use crate::inspect::words::counted;
-use crate::plane::display::ColourMap;
 use egui::{Align2, Color32, Rect, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
 pub(super) struct Marks {
@@ -63,9 +62,8 @@ pub(super) fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f
     for (at, bar) in &bars {
         let x = middle(*at as f32);
         let half = (0.4 * cell).max(0.5);
-        let up = (axis - inner.top()) * bar.features as f32 / most;
-        let at_limit = (axis - inner.top()) * bar.at_limit as f32 / most;
-        for (height, colour) in [(up, style::ACCENT), (at_limit, style::warning(ui))] {
+        for (count, colour) in [(bar.features, style::ACCENT), (bar.at_limit, style::warning(ui))] {
+            let height = (axis - inner.top()) * count as f32 / most;
             painter.rect_filled(Rect::from_x_y_ranges(x - half..=x + half, axis - height..=axis), 0.0, colour);
         }
         let down = (inner.bottom() - axis) * bar.evidence / part;
@@ -138,7 +136,7 @@ pub(super) fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: 
     let side = ((height - 52.0).clamp(50.0, 300.0) / rows).min(half / columns).max(1.0);
     let size = vec2(side * columns, side * rows);
     let grid = spectrum.grid;
-    let lut = ColourMap::Viridis.lut();
+    let lut = crate::plane::display::ColourMap::Viridis.lut();
     ui.horizontal_top(|ui| {
         type Value = fn(&SlopeBar) -> f32;
         let charts: [(&str, Value); 2] = [("Features", |bar| bar.features as f32), ("Evidence", |bar| bar.evidence)];

@@ -4,20 +4,16 @@
 pub(super) mod chart;
 
 use crate::app::document::{Action, Queue, Side};
-use crate::app::panel::status::advice_ui;
 use crate::app::panel::widgets::{error_ui, named, warning_ui, weak_ui, with_whole_numbers};
 use crate::app::results::{FoundFeatures, Read};
 use crate::app::style;
 use crate::app::view::{number, signed_slope};
 use crate::burst::OpenOptions;
 use crate::detector::advice::grouped;
-use crate::detector::slopes::grid_text;
 use crate::detector::{Method, Slope, SlopeFinding, SlopeVerdict};
 use crate::inspect::slopes::{SetUp, SlopeAdvice, SlopeJudgement, Spectrum, set_up_bounds};
 use crate::inspect::words::counted;
-use crate::teach::BottomTab;
 use egui::{Align, Button, DragValue, Frame, Grid, Label, Margin, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2};
-use std::sync::Arc;
 
 /// Maximum width of the charts, points; the advice gets the rest.
 const CHART_WIDTH: f32 = 400.0;
@@ -67,7 +63,7 @@ fn waiting_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     set_up_ui(ui, model, queue);
 }
 
-fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &Arc<Spectrum>, queue: &mut Queue) {
+fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &std::sync::Arc<Spectrum>, queue: &mut Queue) {
     ScrollArea::vertical().auto_shrink(false).id_salt("slope advice").show(ui, |ui| {
         if let Some(judgement) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
             faultless_ui(ui, model, judgement, "");
@@ -79,8 +75,7 @@ fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &Arc<Spectrum>, queue:
         set_up_ui(ui, model, queue);
         let cost = &spectrum.cost;
         let text = format!("Cost: {}, {} samples", counted(cost.slopes, "slope"), grouped(cost.samples));
-        let tip = format!("Search time: {} s", number(cost.search_secs, 2));
-        weak_ui(ui, text).on_hover_text(tip);
+        weak_ui(ui, text).on_hover_text(format!("Search time: {} s", number(cost.search_secs, 2)));
     });
 }
 
@@ -122,14 +117,14 @@ fn piece_ui(ui: &mut Ui, model: Read<'_>, name: &str, advice: &SlopeAdvice, queu
 /// Slopes that were found from the frames, a clause; `None` where none were, or the finding says that something is odd.
 pub fn found_words(finding: &SlopeFinding) -> Option<String> {
     let is_plain = finding.verdict == SlopeVerdict::Found && finding.warnings.is_empty();
-    is_plain.then(|| format!("found: {}", grid_text(&finding.grid)))
+    is_plain.then(|| format!("found: {}", crate::detector::slopes::grid_text(&finding.grid)))
 }
 
 /// Draws the verdict on the search, below the parameters of *One burst*: why there are few features, or whether the
 /// slopes fit the burst, with the change that mends it, and which were found. The open tab has the judgement itself.
 pub fn verdict_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let advice = model.found_of(Side::A).filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
-    let is_in_tab = model.shows_bottom() && model.document.bottom_tab == BottomTab::Slopes;
+    let is_in_tab = model.shows_bottom() && model.document.bottom_tab == crate::teach::BottomTab::Slopes;
     let judgement = model.slope_judgement().filter(|_| !is_in_tab || model.spectrum().is_none());
     let found = model.found_of(Side::A).filter(|_| model.document.params.slopes.is_auto());
     let found = found.and_then(|found| found_words(found.finding.as_ref()?));
@@ -140,7 +135,7 @@ pub fn verdict_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     Frame::new().fill(fill).corner_radius(4).inner_margin(Margin::symmetric(8, 5)).show(ui, |ui| {
         ui.set_width(ui.available_width());
         if let Some(advice) = advice {
-            advice_ui(ui, model, advice, queue);
+            crate::app::panel::status::advice_ui(ui, model, advice, queue);
         }
         if let Some(judgement) = judgement.filter(|judgement| judgement.advice.is_none()) {
             faultless_ui(ui, model, judgement, &found.map_or_else(String::new, |found| format!("; {found}")));

@@ -203,17 +203,15 @@ fn remedy_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 
 fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchRequest) -> Vec<String> {
     let mut notes = Vec::new();
-    let best = unmatched.candidates.first();
     if let Some(second) = unmatched.candidates.get(1).filter(|second| second.is_same_blob) {
-        let second = second.feature;
-        notes.push(format!(
-            "The second nearest, feature {second}, is a duplicate: it lies on the same blob as the nearest."
-        ));
+        let why = "is a duplicate: it lies on the same blob as the nearest.";
+        notes.push(format!("The second nearest, feature {}, {why}", second.feature));
     }
-    if let Some(other) = best.and_then(|best| sides.b.features.get(best.feature)) {
+    if let Some(nearest) = unmatched.candidates.first().map(|best| best.feature)
+        && let Some(other) = sides.b.features.get(nearest)
+    {
         let apart = (own.slope.u - other.slope.u).hypot(own.slope.v - other.slope.v);
         if apart > SLOPES_APART {
-            let nearest = unmatched.candidates[0].feature;
             notes.push(format!("The slope of the nearest, #{nearest}, differs by {apart:.2} px/frame."));
         }
     }
@@ -261,9 +259,8 @@ fn candidates_ui(ui: &mut Ui, unmatched: &Unmatched, found: &FoundLosses) {
             ui.label(RichText::new(heading).small().weak()).on_hover_text(help);
         }
         ui.end_row();
-        let limit = found.request.request.params.max_error_px;
         for candidate in &unmatched.candidates {
-            for (text, good) in cells(candidate, limit) {
+            for (text, good) in cells(candidate, found.request.request.params.max_error_px) {
                 let text = RichText::new(text).monospace();
                 let text = if good { text.color(crate::app::style::good(ui)) } else { text };
                 ui.add(Label::new(text).selectable(false));

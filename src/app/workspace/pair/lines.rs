@@ -8,13 +8,10 @@ use crate::app::pane::PaneId;
 use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::tip_ui;
 use crate::app::results::{MatchRow, Matches, PATCHES, Read};
-use crate::app::view::signed_slope;
 use crate::burst::Offset;
 use crate::detector::Feature;
 use crate::export::MatchKind;
-use crate::inspect::words::counted;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
-use std::sync::Arc;
 
 /// Colours of candidates in B, from the nearest descriptor on.
 pub(super) const CANDIDATE_COLOURS: [Color32; PATCHES] =
@@ -118,7 +115,7 @@ fn circle_ui(model: Read<'_>, matches: &Matches, side: Side, feature: Feature, o
         model.results.coherence.of(&found.detection)?.get(index).cloned()
     });
     let scale = overlay::ColourScale::of(model.document.colour_by, &detection.features, &detection.slopes)
-        .with_coherences(coherence.map(|value| Arc::new(vec![value])).as_ref())
+        .with_coherences(coherence.map(|value| std::sync::Arc::new(vec![value])).as_ref())
         .with_set_up(model.document.set_up.depths_by());
     let style = overlay::OverlayStyle {
         selected: Some(0),
@@ -156,7 +153,7 @@ fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>, passed_limit: Option<String>) {
         None => "",
     };
     let error = row.error_px.map_or_else(String::new, |_| format!("\nerror {}", row.error_words()));
-    let [a, b] = [row.a, row.b].map(|feature| signed_slope(feature.slope, 2));
+    let [a, b] = [row.a, row.b].map(|feature| crate::app::view::signed_slope(feature.slope, 2));
     let limit = passed_limit.map_or_else(String::new, |limit| format!("\n{limit}"));
     let (index, how, distance) = (row.index, row.how_words(), row.found.distance);
     let text = format!("Match {index}{verdict}\n{how}  distance {distance:.1}{error}\n")
@@ -180,7 +177,7 @@ pub(in crate::app::workspace) fn method_lines_ui(ui: &Ui, model: Read<'_>, drawn
             let counts = matches.result.counts;
             let text = match counts.inliers {
                 Some(inliers) => format!("{inliers} of {} matches are inliers", counts.putative),
-                None => counted(counts.putative, "match"),
+                None => crate::inspect::words::counted(counts.putative, "match"),
             };
             if let [_, Some(b)] = canvases.places {
                 chip_ui(ui, views.views[b].output, Align2::RIGHT_BOTTOM, &text, (method, "matches", canvases.places));
@@ -269,12 +266,9 @@ fn unmatched_marks_ui(model: Read<'_>, views: &MatchViews<'_>) {
     }
     let sides = &found.request.request;
     let Some(own) = sides.a.features.get(why.feature) else { return };
-    let mark = |f: &Feature, colour: Color32, dashed: bool| CircleMark {
-        pos_image: pos2(f.u, f.v),
-        sigma: f.sigma,
-        from_image: None,
-        colour,
-        dashed,
+    let mark = |f: &Feature, colour: Color32, dashed: bool| {
+        let (pos_image, sigma) = (pos2(f.u, f.v), f.sigma);
+        CircleMark { pos_image, sigma, from_image: None, colour, dashed }
     };
     for view in views.on(Side::A) {
         draw_circles(view.output, &[mark(own, Color32::WHITE, false)], Some(0));

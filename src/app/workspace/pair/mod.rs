@@ -204,8 +204,7 @@ fn limit_ui<N: Copy + ToString>(
         let mut is_on = limit.is_some();
         ui.checkbox(&mut is_on, label).on_hover_text(tip);
         let mut value = limit.unwrap_or(usual);
-        let response = ui.add_enabled(is_on, field(&mut value));
-        name_field(&response, label, &value.to_string());
+        name_field(&ui.add_enabled(is_on, field(&mut value)), label, &value.to_string());
         *limit = is_on.then_some(value);
     });
 }

@@ -5,13 +5,11 @@ use crate::app::document::{Action, Side};
 use crate::app::panel::parameter_rows::ParamTable;
 use crate::app::panel::parameters::fold_ui;
 use crate::app::panel::widgets::{error_ui, name_field, section_ui};
-use crate::app::parts;
 use crate::app::results::Read;
 use crate::dataset::CameraChoice;
 use crate::detector::params::Param;
 use crate::matching::params::doc;
 use crate::matching::{Camera, CameraModel, Geometry, MatchParams};
-use crate::teach::Part;
 use egui::{Align, Id, Layout, RichText, Ui};
 
 const ADVANCED: [Param<MatchParams>; 5] =
@@ -45,22 +43,19 @@ impl CameraText {
     }
 }
 
+/// Draws the parameters of the matches of two bursts, with the button that matches them, or of a dataset.
 pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
-        ui.horizontal(|ui| {
-            button_ui(ui, model, queue, ActionId::Match, None);
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
+        if model.document.workspace.shows_pair() {
+            ui.horizontal(|ui| {
+                button_ui(ui, model, queue, ActionId::Match, None);
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
+                });
             });
-        });
-        ui.add_space(4.0);
-        all_rows_ui(ui, model, queue);
-    });
-}
-
-pub fn dataset_parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    section_ui(ui, "Matching", |ui| {
-        button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
+        } else {
+            button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
+        }
         ui.add_space(4.0);
         all_rows_ui(ui, model, queue);
     });
@@ -74,9 +69,8 @@ fn all_rows_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let table = ParamTable { error, defaults: MatchParams::default(), frame_count: 0, note: None };
     let is_advanced = |record: &&Param<MatchParams>| ADVANCED.contains(record);
     let is_needed = |record: &&Param<MatchParams>| {
-        let has_error = error.is_some_and(|error| error.subject == record.name);
-        has_error
-            || parts::is_wanted(ui.ctx(), Part::parameter(record))
+        error.is_some_and(|error| error.subject == record.name)
+            || crate::app::parts::is_wanted(ui.ctx(), crate::teach::Part::parameter(record))
             || (**record == doc::CAMERA && p.camera.is_some())
     };
     let needed = ADVANCED.iter().any(|record| is_needed(&record)) || p.geometry == Geometry::Essential;

@@ -4,7 +4,7 @@ use crate::app::actions::Queue;
 use crate::app::document::{Action, MatchColumn, PairTab, Side};
 use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui, texts};
-use crate::app::panel::widgets::{make_room, named, only_ui, progress_text, text_width};
+use crate::app::panel::widgets::{named, only_ui, progress_text, text_width};
 use crate::app::results::{Matches, PAIR_NUMBERS, Read, lost_words};
 use crate::app::view::{fixed, signed_slope};
 use crate::inspect::pair::Lost;
@@ -125,8 +125,10 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>) {
     for (name, help, value) in [("Keypoints", "Features of A and of B", keypoints)].into_iter().chain(numbers) {
         let text = format!("{name} {value}");
         let (name, value) = (RichText::new(name).small().weak(), RichText::new(value).strong().monospace());
-        if model.shows_bottom() {
-            make_room(ui, text_width(ui, name.clone()) + NAME_GAP + text_width(ui, value.clone()));
+        // A number that the line would cut stands on the next one.
+        let width = text_width(ui, name.clone()) + NAME_GAP + text_width(ui, value.clone());
+        if model.shows_bottom() && ui.available_size_before_wrap().x < width {
+            ui.end_row();
         }
         let number_ui = |ui: &mut Ui| {
             ui.spacing_mut().item_spacing.x = NAME_GAP;
