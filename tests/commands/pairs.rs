@@ -229,6 +229,15 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
             (&by.into(), &1.into())
         );
     }
+    // A geometry of which no match is left is refused by the tracks of other pairs.
+    let refused = {
+        let database = rusqlite::Connection::open(home.join("rec/database.db")).expect("a database");
+        let changed = database.execute("UPDATE two_view_geometries SET config = 3", []);
+        assert_eq!(changed, Ok(1));
+        of_two(None)
+    };
+    assert_eq!(refused["pairs"][0]["refused"], "tracks");
+    assert_eq!(refused["joined"]["refused_by_tracks"], 1);
     let refused = of_two(Some(0));
     assert_eq!([0, 1].map(|row| refused["bursts"][row]["verified_pairs"].clone()), [0.into(), Value::Null]);
     says(home.text("flight.md"), &["- No pair is verified\n- Not in the folder of the pairs: demo\n"]);

@@ -19,7 +19,7 @@ use crate::export::{
 use crate::matching::align::Measured;
 use crate::matching::aligned::{Alignment, Inlier, Seen};
 use crate::matching::params::doc;
-use crate::matching::tracks::Tracks;
+use crate::matching::tracks::{Tracks, consistent};
 use crate::matching::{
     Blob, Camera, Geometry, MatchCounts, MatchParams, MatchSide, PairSelection, Refusal, TwoViewModel, Verification,
     match_features,
@@ -331,6 +331,9 @@ fn align_all(
     };
     let mut found: BTreeMap<(usize, usize), (Option<TwoViewModel>, Vec<Inlier>)> =
         waiting.iter().zip(confirmed).filter_map(agreed).collect();
+    let pairs_found: Vec<_> = found.iter().map(|(images, (_, inliers))| (*images, &inliers[..])).collect();
+    let consistent = consistent(&aligned, &pairs_found, monitor)?;
+    found.values_mut().zip(consistent).for_each(|((_, inliers), consistent)| *inliers = consistent);
     let tracks = Tracks::of(&aligned.place_of, found.iter().map(|(images, (_, inliers))| (*images, &inliers[..])));
     let implied = |&images: &(usize, usize)| {
         monitor.check()?;
@@ -363,7 +366,10 @@ fn align_all(
         let ([a, b], index) = reported(&report.pairs, images);
         let counts = &mut report.pairs[index].counts;
         counts.inliers = Some(agreed.len());
-        counts.refused = model.is_none().then_some(Refusal::Pictures);
+        counts.refused = match model {
+            None => Some(Refusal::Pictures),
+            Some(_) => agreed.is_empty().then_some(Refusal::Tracks),
+        };
         let places = [&aligned.places[images.0][..], &aligned.places[images.1]];
         database.add_geometry(a, b, &database_geometry(places, &agreed, model.as_ref()))?;
     }
@@ -418,7 +424,8 @@ fn database_geometry([a, b]: [&[[f64; 2]]; 2], inliers: &[Inlier], model: Option
     };
     let places: Vec<([f64; 2], [f64; 2])> = inliers.iter().map(|m| (a[m.a as usize], b[m.b as usize])).collect();
     // E alone leaves four poses; the inliers decide.
-    let b_from_a = model.relative_pose(&places).map(|(pose, _)| {
+    let pose = model.relative_pose(&places).filter(|(_, in_front)| *in_front > 0);
+    let b_from_a = pose.map(|(pose, _)| {
         let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(pose.rotation));
         Isometry3::from_parts(Translation3::from(pose.translation), rotation)
     });

@@ -5,9 +5,9 @@ use super::kept::pairs_folder;
 use super::kept_pairs::why_refused;
 use super::report::{ColmapReport, ImageReport, Joined, PairReport};
 use crate::error::{Error, Result};
-use crate::export::safe_file_name;
+use crate::export::{GeometryKind, safe_file_name};
 use crate::files::{mark::has_mark, open_database};
-use crate::matching::MatchCounts;
+use crate::matching::{MatchCounts, Refusal};
 use rusqlite::Row;
 use std::{collections::HashMap, path::Path};
 
@@ -45,13 +45,19 @@ fn read(folder: &Path, known: &HashMap<String, &str>) -> rusqlite::Result<Colmap
         let count = |column: usize| row.get::<_, u32>(column).map(|count| count as usize);
         let (putative, inliers) = (count(6)?, count(7)?);
         let file = || pairs_folder(folder).join(a).join(format!("{b}.pair"));
-        let refused = if inliers > 0 { None } else { why_refused(&file(), putative) };
+        let refused = match (inliers, row.get::<_, u32>(8)?) {
+            (1.., _) => None,
+            // A geometry without inliers.
+            (0, kind) if kind > GeometryKind::Degenerate as u32 => Some(Refusal::Tracks),
+            _ => why_refused(&file(), putative),
+        };
         let (keypoints_a, keypoints_b, inliers) = (count(4)?, count(5)?, Some(inliers));
         let counts = MatchCounts { keypoints_a, keypoints_b, putative, inliers, refused, not_mutual: None };
         Ok(PairReport { ids: [row.get(2)?, row.get(3)?], resumed: true, counts })
     };
     let pairs =
-        "SELECT a.name, b.name, a.image_id, b.image_id, in_a.rows, in_b.rows, matches.rows, coalesce(found.rows, 0)
+        "SELECT a.name, b.name, a.image_id, b.image_id, in_a.rows, in_b.rows, matches.rows, coalesce(found.rows, 0),
+        coalesce(found.config, 0)
         FROM matches LEFT JOIN two_view_geometries AS found USING (pair_id)
         JOIN images AS a ON a.image_id = pair_id / 2147483647 JOIN keypoints AS in_a ON in_a.image_id = a.image_id
         JOIN images AS b ON b.image_id = pair_id % 2147483647 JOIN keypoints AS in_b ON in_b.image_id = b.image_id

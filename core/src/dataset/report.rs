@@ -58,6 +58,8 @@ pub struct Joined {
     pub refused_by_motions: usize,
     /// Number of pairs refused because of their pictures.
     pub refused_by_pictures: usize,
+    /// Number of pairs refused because of the tracks of other pairs.
+    pub refused_by_tracks: usize,
 }
 
 impl Joined {
@@ -74,9 +76,9 @@ impl Joined {
         }
         let (alone, mut parts): (Vec<_>, Vec<_>) = parts.into_values().partition(|part| part.len() == 1);
         parts.sort_by_key(|part| Reverse(part.len()));
-        let [refused_by_motions, refused_by_pictures] = [Refusal::Motions, Refusal::Pictures]
-            .map(|why| pairs.iter().filter(|pair| pair.counts.refused == Some(why)).count());
-        Self { parts, alone: alone.concat(), refused_by_motions, refused_by_pictures }
+        let [refused_by_motions, refused_by_pictures, refused_by_tracks] =
+            Refusal::ALL.map(|why| pairs.iter().filter(|pair| pair.counts.refused == Some(why)).count());
+        Self { parts, alone: alone.concat(), refused_by_motions, refused_by_pictures, refused_by_tracks }
     }
 }
 

@@ -6,7 +6,8 @@
 //! agrees with a geometry of the two views on which most others agree too. [`match_features`] does it all for whoever
 //! matches: [`putative`] → [`geometry`] → where the motions are known, both again at the places that they predict
 //! ([`Prediction`]) → where there are frames, the pictures of the inliers ([`aligned`]). [`match_pair`] aligns each
-//! pair by itself; a dataset for COLMAP is aligned as a whole, and gets the matches that others imply ([`tracks`]).
+//! pair by itself; a dataset for COLMAP is aligned as a whole, loses the matches that others contradict, and gets those
+//! that others imply ([`tracks`]).
 //!
 //! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
 //! match, and inlier ratio the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler
@@ -194,14 +195,20 @@ pub enum Refusal {
     Motions,
     /// Too few matches agree with the alignment of their pictures.
     Pictures,
+    /// Too many matches contradict the tracks of pairs with more inliers.
+    Tracks,
 }
 
 impl Refusal {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Motions, Self::Pictures, Self::Tracks];
+
     /// Words for people.
     pub fn words(self) -> &'static str {
         match self {
             Self::Motions => "the motions contradict the sure matches' geometry",
             Self::Pictures => "the pictures of too many matches contradict each other",
+            Self::Tracks => "too many matches contradict those of other pairs",
         }
     }
 }

@@ -1,11 +1,20 @@
-//! Matches of a pair of images that their matches with other images imply.
+//! Matches of a pair of images that their matches with other images imply, or contradict.
 //!
 //! If a place of A matches one of C, and that one a place of B, then A's place matches B's, however little they look
 //! alike: cameras in between bridge a wide angle. One wrong match on the way makes a wrong end, so two ways must have
 //! the same end, or one of which a match is itself implied by others; and no other way from or to its ends has another.
+//! Nor may a way come back to an image at another place: then one of its matches is wrong, most likely of the pair with
+//! the fewest ([`consistent`]).
 
-use super::aligned::Inlier;
+use super::aligned::{AlignedImages, Inlier};
+use crate::monitor::{Cancelled, Monitor};
+use std::cmp::Reverse;
 use std::collections::{BTreeSet, HashMap};
+
+/// Largest distance of places of one image that may belong to one track, pixels.
+const NEAR_PX: f64 = 6.0;
+/// Number of a pair's matches that others confirm or contradict, from which these decide on the whole pair.
+const FEWEST_VOTES: usize = 10;
 
 /// A match as the place of one of its images sees it.
 #[derive(Debug, Clone, Copy)]
@@ -30,8 +39,7 @@ pub struct Tracks {
 impl Tracks {
     /// Tracks of the inliers of pairs of images, whose features have these places, counted over all images.
     pub fn of<'a>(places: &[Vec<u32>], pairs: impl IntoIterator<Item = ((usize, usize), &'a [Inlier])>) -> Self {
-        let count = places.iter().flatten().max().map_or(0, |last| *last as usize + 1);
-        let mut links = vec![Vec::<Link>::new(); count];
+        let mut links = vec![Vec::<Link>::new(); count_of(places)];
         for ((i, j), inliers) in pairs {
             for &Inlier { a, b, rank } in inliers {
                 let (of_a, of_b) = (places[i][a as usize], places[j][b as usize]);
@@ -92,8 +100,95 @@ impl Tracks {
     }
 }
 
+fn count_of(places: &[Vec<u32>]) -> usize {
+    places.iter().flatten().max().map_or(0, |last| *last as usize + 1)
+}
+
+/// Tracks to which the matches of one pair after another are added.
+struct Growing {
+    /// Image of each place, and where it is, pixels.
+    at: Vec<(u32, [f64; 2])>,
+    /// Next place of the same track, in a ring.
+    next: Vec<u32>,
+}
+
+impl Growing {
+    fn of(AlignedImages { places, place_of, .. }: &AlignedImages) -> Self {
+        let count = count_of(place_of);
+        let mut at = vec![(0, [0.0; 2]); count];
+        for (image, (of_image, places)) in (0..).zip(place_of.iter().zip(places)) {
+            of_image.iter().zip(places).for_each(|(&place, &pos_image)| at[place as usize] = (image, pos_image));
+        }
+        Self { at, next: (0..count as u32).collect() }
+    }
+
+    fn track(&self, place: u32) -> impl Iterator<Item = u32> {
+        std::iter::successors(Some(place), move |at| Some(self.next[*at as usize]).filter(|next| *next != place))
+    }
+
+    fn is_one(&self, [a, b]: [u32; 2]) -> bool {
+        self.track(a).any(|place| place == b)
+    }
+
+    /// Whether the tracks of two places agree in the images that both are in; `None` where there is none.
+    fn agree(&self, [a, b]: [u32; 2]) -> Option<bool> {
+        if self.is_one([a, b]) {
+            return Some(true);
+        }
+        let both = self.track(a).flat_map(|of_a| self.track(b).map(move |of_b| [of_a, of_b]));
+        let at = both.map(|both| both.map(|place| self.at[place as usize])).filter(|[one, other]| one.0 == other.0);
+        at.map(|[(_, [u, v]), (_, [x, y])]| (u - x).hypot(v - y) <= NEAR_PX).reduce(|all, near| all && near)
+    }
+
+    /// Makes the tracks of two places one, unless they contradict each other.
+    fn join(&mut self, ends: [u32; 2]) {
+        if self.agree(ends) != Some(false) && !self.is_one(ends) {
+            let [a, b] = ends.map(|place| place as usize);
+            // Two rings become one.
+            self.next.swap(a, b);
+        }
+    }
+}
+
+/// Inliers of pairs of images that fit the tracks of the pairs with more; none of a pair that most of them contradict.
+///
+/// On a façade the matches of equal windows agree with one another and in their pictures, so a wrong pair looks like a
+/// right one. But then a track comes back to an image at another place, and pairs that see little of the same have
+/// fewer inliers.
+///
+/// # Errors
+/// Cancellation once `monitor` was cancelled.
+pub fn consistent(
+    images: &AlignedImages,
+    pairs: &[((usize, usize), &[Inlier])],
+    monitor: &Monitor,
+) -> Result<Vec<Vec<Inlier>>, Cancelled> {
+    let mut tracks = Growing::of(images);
+    let mut order: Vec<usize> = (0..pairs.len()).collect();
+    order.sort_by_key(|pair| Reverse(pairs[*pair].1.len()));
+    let mut consistent = vec![Vec::new(); pairs.len()];
+    for pair in order {
+        monitor.check()?;
+        let ((i, j), inliers) = pairs[pair];
+        let ends = |inlier: &Inlier| [images.place_of[i][inlier.a as usize], images.place_of[j][inlier.b as usize]];
+        // Before any of its own: a pair alone is as it was matched.
+        let votes: Vec<Option<bool>> = inliers.iter().map(|inlier| tracks.agree(ends(inlier))).collect();
+        let known = votes.iter().flatten().count();
+        let against = votes.iter().filter(|vote| **vote == Some(false)).count();
+        if known >= FEWEST_VOTES && 2 * against > known {
+            continue;
+        }
+        for (inlier, _) in inliers.iter().zip(votes).filter(|(_, vote)| *vote != Some(false)) {
+            tracks.join(ends(inlier));
+            consistent[pair].push(*inlier);
+        }
+    }
+    Ok(consistent)
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::aligned::Moved;
     use super::*;
 
     /// Two images and their matches, feature by feature.
@@ -138,6 +233,28 @@ mod tests {
         // Two ways lead to place 5 too: one of image 4, which others imply.
         let elsewhere = tracks(&[&both[..], &[((0, 4), &[[1, 0]]), ((1, 4), &[[5, 0]]), ((2, 4), &[[1, 0]])]].concat());
         assert!(implied(&elsewhere, (0, 1)).is_empty());
+    }
+
+    #[test]
+    fn of_matches_that_bring_a_track_back_to_an_image_those_of_fewer_go() {
+        // Twelve windows, 40 px apart, which the four images see from the first, second, and so on.
+        let window = |image: usize, feature: usize| [40.0 * (feature as f64 - image as f64), 100.0];
+        let places: Vec<Vec<[f64; 2]>> = (0..4).map(|k| (0..12).map(|x| window(k, x)).collect()).collect();
+        let place_of: Vec<Vec<u32>> = (0..4).map(|k| (12 * k..12 * (k + 1)).collect()).collect();
+        let moved = Moved { share: 0.0, median_px: None, max_px: None, refused: 0 };
+        let images = AlignedImages { places, place_of, residuals_px: Vec::new(), moved };
+        let inliers = |count: u32, step: u32| (0..count).map(move |a| Inlier { a, b: a + step, rank: 0.5 });
+        let right: Vec<Inlier> = inliers(12, 0).collect();
+        let one_wrong: Vec<Inlier> = inliers(11, 0).chain([Inlier { a: 11, b: 3, rank: 0.1 }]).collect();
+        let shifted: Vec<Inlier> = inliers(11, 1).collect();
+        let pairs: [((usize, usize), &[Inlier]); 5] =
+            [((0, 3), &shifted), ((0, 1), &right), ((1, 2), &right), ((0, 2), &one_wrong), ((2, 3), &right)];
+        let consistent = |pairs| consistent(&images, pairs, &Monitor::default()).expect("not cancelled");
+        let [of_shifted, .., of_one_wrong, of_right] = &consistent(&pairs)[..] else { panic!("one each") };
+        assert!(of_shifted.is_empty());
+        assert_eq!((&of_one_wrong[..], &of_right[..]), (&one_wrong[..11], &right[..]));
+        let alone = [((0, 3), &shifted[..]), ((1, 3), &right)];
+        assert_eq!(consistent(&alone)[0], shifted, "no third pair says anything of them");
     }
 
     #[test]

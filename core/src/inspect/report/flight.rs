@@ -152,7 +152,8 @@ pub fn flight_table(rows: &[FlightRow]) -> Table {
 }
 
 /// Lines on the images that verified pairs join, and on the number of refused pairs with their reasons.
-pub fn joined_text(Joined { parts, alone, refused_by_motions, refused_by_pictures }: &Joined) -> String {
+pub fn joined_text(joined: &Joined) -> String {
+    let Joined { parts, alone, refused_by_motions, refused_by_pictures, refused_by_tracks } = joined;
     let mut text = String::new();
     if let Some((largest, others)) = parts.split_first() {
         let all = alone.len() + parts.iter().map(Vec::len).sum::<usize>();
@@ -162,8 +163,8 @@ pub fn joined_text(Joined { parts, alone, refused_by_motions, refused_by_picture
         text += &if alone.is_empty() { String::new() } else { format!("; none is of {}", some_of(alone)) };
         text += "\n";
     }
-    let refused = [(refused_by_motions, Refusal::Motions), (refused_by_pictures, Refusal::Pictures)];
-    for (pairs, why) in refused.into_iter().filter(|(pairs, _)| **pairs > 0) {
+    let refused = [refused_by_motions, refused_by_pictures, refused_by_tracks].into_iter().zip(Refusal::ALL);
+    for (pairs, why) in refused.filter(|(pairs, _)| **pairs > 0) {
         text += &format!("{} refused: {}\n", counted(*pairs, "pair"), why.words());
     }
     text
