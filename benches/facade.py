@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Makes a dataset of dark bursts of a court whose walls have rows of equal windows, with known cameras.
 
-A match of two windows agrees with its neighbours and in its picture, whichever windows they are: the scene asks whether a wrong one is
-recognised. The folder is laid out like those of ../shared/reconstruct, whose scripts score it; its noise is theirs.
+A match of two windows agrees with its neighbours and in its picture, whichever windows they are: the scene asks
+whether a wrong one is recognised. The folder is laid out like those of ../shared/reconstruct, whose scripts score it;
+its noise is theirs. It needs numpy and opencv-python-headless.
 
     python3 benches/facade.py OUT --seed 1 --white-e 10 --views 12 --shared ../shared
 """
@@ -18,7 +19,7 @@ import numpy as np
 TEXELS_PER_M = 70
 WIDTH, HEIGHT, FOCAL_PX = 1152, 768, 900.0
 FRAMES, MAX_SLOPE, READ_E = 10, 3.0, 2.0
-# Distance of neighbouring windows, and for each row its height above the ground's end and the kind of its windows.
+# Distance of neighbouring windows; for each row the depth of their tops below the wall's edge, m, and their kind.
 PITCH_M, ROWS = 1.9, [(0.6, 0), (3.4, 1), (6.2, 0)]
 
 
@@ -127,6 +128,10 @@ def main():
     parser.add_argument("--views", type=int, default=12)
     parser.add_argument("--shared", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parents[2] / "shared")
     args = parser.parse_args()
+    if args.views < 2 or args.seed < 0 or not args.white_e > 0:
+        parser.error("give --views from 2, --seed from 0, and --white-e above 0")
+    if not (args.shared / "reconstruct" / "common.py").is_file():
+        parser.error(f"--shared: no reconstruct/common.py in {args.shared}; name the folder with the scoring scripts")
     sys.path.insert(0, str(args.shared / "reconstruct"))
     import common
 

@@ -4,10 +4,10 @@
 
 use egui_plot::{GridInput, GridMark};
 
-/// Distance between ticks where there is room, and the distance below which the toolkit leaves out labels, in the
-/// toolkit's smallest distances between grid lines: 8 points.
+/// Distance between ticks of a vertical axis where there is room, and the distance below which the toolkit leaves out
+/// labels, in the toolkit's smallest distances between grid lines: 8 points.
 const HIGH: [f64; 2] = [4.0, 2.6];
-/// The same of a horizontal axis, whose labels are wider than high.
+/// Both distances for a horizontal axis, in the same unit: its labels are wider than high.
 const WIDE: [f64; 2] = [10.0, 7.6];
 
 /// Ticks of a vertical axis, for [`egui_plot::Plot::y_grid_spacer`]: multiples of 1, 2 or 5 times a power of ten.

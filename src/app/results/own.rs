@@ -1,5 +1,5 @@
-//! What is set for one burst and is not that of the next: its mask, times, views and part, its slopes and frames used,
-//! and the filter of its features. Another burst begins without them, and the line that says so offers them to it.
+//! Settings of one burst alone: its mask, times, views and part, its slopes and frames used, and the filter of its
+//! features. Another burst begins without them, and the line that says so offers them to it.
 
 use crate::app::document::{Filter, Side};
 use crate::app::results::Read;
