@@ -162,8 +162,7 @@ impl Error {
 
 /// The text as one word for a shell, on one line.
 pub fn shell_word(text: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "/._-:+,=@%".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
+    if !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || "/._-:+,=@%".contains(c)) {
         return text.to_owned();
     }
     let quoted = |text: &str| format!("'{}'", text.replace('\'', r"'\''"));

@@ -1,12 +1,8 @@
 //! Bursts of arrays in memory, calibrated as files of the same type are.
 
-use super::Burst;
-use super::layout::ViewsChoice;
-use super::masks::Masks;
 use super::open::{Measured, RawBurst, calibrated};
-use super::options::OpenOptions;
 use super::reading::{FileScale, RawFrame, frame_of_plane};
-use super::views::placed;
+use super::{Burst, layout::ViewsChoice, masks::Masks, options::OpenOptions, views::placed};
 use crate::error::{Error, Result};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
@@ -91,15 +87,8 @@ impl Burst {
         let frame_names = (0..count).map(|t| format!("frame {t}")).collect();
         let origins = (0..count).map(|t| (path.clone(), t)).collect();
         let positions = placed(&mut vec![path], Some((count, None)), &of_grid, monitor)?.positions;
-        let raw = RawBurst {
-            name: name.into(),
-            frames,
-            frame_names,
-            origins,
-            taken: Vec::new(),
-            positions,
-            seconds: Vec::new(),
-        };
+        let (name, taken, seconds) = (name.into(), Vec::new(), Vec::new());
+        let raw = RawBurst { name, frames, frame_names, origins, taken, positions, seconds };
         let mask = decoded("mask", arrays.mask, options)?.map_or_else(Vec::new, |mask| mask.frames);
         let masks = Masks::of_frames(&mask, (count, raw.size()), options, Path::new("mask"))?;
         calibrated(raw, calibration, &masks, Vec::new(), options, monitor)

@@ -2,13 +2,10 @@
 
 use super::layout::{TimesChoice, ViewsChoice};
 use super::options::{Limits, OpenOptions};
-use super::positions::Positions;
-use super::reading::Declared;
-use super::source::only_burst;
 use super::stamps::{SHORTEST_S, Timing, of_headers};
 use super::times::{Times, time_text};
 use super::views::{placed, size_of_view};
-use super::{Burst, formats};
+use super::{Burst, formats, positions::Positions, reading::Declared, source::only_burst};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use serde::Serialize;

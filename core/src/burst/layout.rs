@@ -109,15 +109,18 @@ pub enum Mosaic {
 }
 
 impl Mosaic {
+    /// The mosaics of squares of two green, a red and a blue pixel.
+    pub(super) const ALL: [Self; 4] = [Self::Rggb, Self::Grbg, Self::Gbrg, Self::Bggr];
+
     /// The mosaic as seen from `u` columns and `v` rows further on.
     pub(super) fn shifted(self, u: usize, v: usize) -> Self {
         Self::of(|du, dv| self.colour_at(u + du, v + dv)).unwrap_or(self)
     }
 
-    /// The mosaic whose pixels have these colours, if it is one of squares of two green, a red and a blue pixel.
+    /// The mosaic whose pixels have these colours, if it is one of [`Self::ALL`].
     pub(super) fn of(colour_at: impl Fn(usize, usize) -> usize) -> Option<Self> {
         let is_this = |mosaic: &Self| (0..4).all(|k| mosaic.colour_at(k % 2, k / 2) == colour_at(k % 2, k / 2));
-        [Self::Rggb, Self::Grbg, Self::Gbrg, Self::Bggr].into_iter().find(is_this)
+        Self::ALL.into_iter().find(is_this)
     }
 
     /// Colour of a pixel: 0 red, 1 green, 2 blue.

@@ -4,17 +4,13 @@
 //! and the black level otherwise; the gain is the flat frame less the bias, over its own mean. Where their files are of
 //! another kind, their values are converted to the frames' unit, or refused where the unit cannot be told.
 
-use super::layout::ViewsChoice;
-use super::masks::Masks;
 use super::notes::{Remark, suggested_full_scale};
 use super::options::{Encoding, OpenOptions};
-use super::positions::Positions;
 use super::reading::{Declared, Expected, FileScale, RawFrame, Reading, Ticker, in_order};
-use super::rotations::turned;
 use super::source::only_burst;
 use super::stamps::Timing;
 use super::views::{placed, views_of};
-use super::{Burst, formats};
+use super::{Burst, formats, layout::ViewsChoice, masks::Masks, positions::Positions, rotations::turned};
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;

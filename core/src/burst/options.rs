@@ -3,9 +3,8 @@
 //! Declared sizes are checked against the [`Limits`] before pixels are allocated: no file can exhaust the memory.
 
 use super::layout::{AxisChoice, Dump, FrameRange, Mosaic, TimesChoice, ViewsChoice};
-use crate::camera::CAMERA_FILE;
 use crate::error::{Error, ErrorKind, Result};
-use crate::plane::memory::machine_bytes;
+use crate::{camera::CAMERA_FILE, plane::memory::machine_bytes};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::ops::Range;
@@ -151,10 +150,7 @@ impl OpenOptions {
 
     /// Paths of the files that are read beside the frames: bias, flat, mask, lists of times and rotations, camera.
     pub fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
-        let times = match &mut self.times {
-            Some(TimesChoice::List(path)) => Some(path),
-            _ => None,
-        };
+        let times = if let Some(TimesChoice::List(path)) = &mut self.times { Some(path) } else { None };
         let of_camera = self.rotations.iter_mut().chain(&mut self.lens);
         self.bias.iter_mut().chain(&mut self.flat).chain(&mut self.mask).chain(times).chain(of_camera)
     }

@@ -4,14 +4,12 @@
 //! orientation at mid-burst: what then moves is what the camera's way moves, in straight lines, the nearer the faster.
 //! Keypoints are of the camera at mid-burst, as without rotation.
 
-use super::Burst;
-use super::layout::FrameRange;
+use super::{Burst, layout::FrameRange};
 use crate::camera::{Camera, read_camera};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::read_text;
 use crate::monitor::{Cancelled, Monitor};
-use crate::plane::Plane;
-use crate::plane::sample::cubic;
+use crate::plane::{Plane, sample::cubic};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rayon::prelude::*;
 use std::{path::Path, sync::Arc};
@@ -150,7 +148,12 @@ pub(super) fn turned(
     }
     let turns =
         orientations.of_frames(burst.len(), seconds, part).map_err(|(problem, remedy)| wrong(problem, remedy))?;
-    let middle = at_mid_burst(&burst, &turns);
+    // The orientation at mid-burst, the mean of the frames' positions.
+    let times: Vec<f64> = burst.positions.offsets().iter().map(|offset| offset.u).collect();
+    let middle = match times.partition_point(|time| *time < 0.0) {
+        0 => turns[0],
+        next => between(&turns[next - 1], &turns[next], -times[next - 1] / (times[next] - times[next - 1])),
+    };
     let mut largest = 0.0f64;
     let mut frames = Vec::with_capacity(burst.len());
     for (t, (frame, turn)) in burst.frames.iter().zip(&turns).enumerate() {
@@ -174,17 +177,7 @@ pub(super) fn turned(
         largest.to_degrees(),
         list.file_name().unwrap_or_default().to_string_lossy()
     );
-    let taken = burst.taken.iter().cloned().chain([said]).collect();
-    Ok(Burst { frames, taken, ..burst })
-}
-
-/// Orientation at the mean of the frames' positions.
-fn at_mid_burst(burst: &Burst, turns: &[UnitQuaternion<f64>]) -> UnitQuaternion<f64> {
-    let times: Vec<f64> = burst.positions.offsets().iter().map(|offset| offset.u).collect();
-    match times.partition_point(|time| *time < 0.0) {
-        0 => turns[0],
-        next => between(&turns[next - 1], &turns[next], -times[next - 1] / (times[next] - times[next - 1])),
-    }
+    Ok(Burst { frames, taken: burst.taken.iter().cloned().chain([said]).collect(), ..burst })
 }
 
 /// Picture that `camera` would have taken at another orientation: `from_turned` turns directions of that camera into

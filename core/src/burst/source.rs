@@ -8,8 +8,7 @@
 //! [`cut_sequence`] makes a burst of every N frames of a long recording; each lists its own files and is opened alone.
 
 use super::formats::{self, Rank};
-use super::options::OpenOptions;
-use super::stamps::in_order_of_times;
+use super::{options::OpenOptions, stamps::in_order_of_times};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::{path_text, shell_path};
 use std::path::{Path, PathBuf};

@@ -3,13 +3,11 @@
 //! A name has a date or the seconds since 1970, which digits behind may part further: a fraction, or whole milli-,
 //! micro- or nanoseconds with or without leading zeros. Numbers that count up by one are counters, never fractions.
 
-use super::formats;
-use super::layout::TimesChoice;
-use super::options::OpenOptions;
 use super::positions::{Positions, unevenness};
 use super::times::{
     HEADED, List, PARTS, Stamp, Stamps, Times, Unit, Written, base_name, digit_runs, likeness, parts, seconds_of, stem,
 };
+use super::{formats, layout::TimesChoice, options::OpenOptions};
 use crate::error::{Error, ErrorKind, Result};
 use crate::{files::read_bytes, monitor::Monitor};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -379,10 +377,7 @@ impl Timing {
         };
         // A part is counted in the order of the times, not of the names.
         let whole = if in_one.is_some() { (0..frames).collect() } else { found.times.order() };
-        let order = match part {
-            Some(_) => &whole[options.taken_of(&folder, frames, (1, 1))?],
-            None => &whole,
-        };
+        let order = if part.is_some() { &whole[options.taken_of(&folder, frames, (1, 1))?] } else { &whole[..] };
         let times = found.times.since_first(order);
         let are_frames = matches!(&found.times, Source::Stamps(stamps) if stamps.unit == Unit::Frames);
         let are_positions = matches!(&found.times, Source::Stamps(stamps) if are_frames && stamps.known_by == HEADED);

@@ -94,8 +94,7 @@ impl Stamp {
     fn clock(text: &str) -> Option<Self> {
         let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
         let part = |part: &str| part.parse::<i128>().ok().filter(|_| are_digits(part) && part.len() <= 2);
-        let parted: Vec<i128> = whole.split(':').map(part).collect::<Option<_>>()?;
-        let seconds = match parted[..] {
+        let seconds = match whole.split(':').map(part).collect::<Option<Vec<i128>>>()?[..] {
             [hours, minutes, seconds] if minutes < 60 && seconds < 60 => 3600 * hours + 60 * minutes + seconds,
             [minutes, seconds] if seconds < 60 && !fraction.is_empty() => 60 * minutes + seconds,
             _ => return None,

@@ -4,11 +4,8 @@
 //! displacement by d to the right from a column to the next, and by d downwards from a row to the next.
 
 use super::layout::{MAX_SIDE, Tiling, TimesChoice, ViewGrid, ViewsChoice};
-use super::options::OpenOptions;
-use super::positions::Positions;
-use super::reading::RawFrame;
-use super::stamps::Timing;
 use super::times::{base_name, digit_runs, stem};
+use super::{options::OpenOptions, positions::Positions, reading::RawFrame, stamps::Timing};
 use crate::error::{Error, ErrorKind, Result};
 use crate::{monitor::Monitor, plane::Plane};
 use std::path::{Path, PathBuf};
@@ -33,8 +30,7 @@ pub(super) fn placed(
     let whole = OpenOptions { take: None, ..options.clone() };
     // Without times the order of names is final, so the part is cut out first.
     if in_one.is_none() && !has_times && options.take.is_some() {
-        let folder = file.parent().unwrap_or(Path::new(""));
-        *files = options.taken(folder, std::mem::take(files), (1, 1))?;
+        *files = options.taken(file.parent().unwrap_or(Path::new("")), std::mem::take(files), (1, 1))?;
         options = &whole;
     }
     let (frames, declared) = in_one.unwrap_or((files.len(), None));
@@ -150,8 +146,7 @@ fn by_name(files: &mut [PathBuf], places: &[[usize; 2]]) -> Option<Timing> {
     files.clone_from_slice(&sorted);
     let (unevenness, count) = (positions.unevenness(), files.len());
     let said = format!("the names have rows and columns: {unevenness}; --views 1x{count} takes them as frames in time");
-    let said = positions.are_views().then_some(said);
-    Some(Timing { said, ..Timing::at(positions) })
+    Some(Timing { said: positions.are_views().then_some(said), ..Timing::at(positions) })
 }
 
 /// Size (columns, rows) of a view in a picture of `size` that holds a grid; an error unless the sides are multiples.

@@ -16,20 +16,18 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::export::{
     ColmapKeypoint, DatabaseGeometry, DatabaseWriter, GeometryKind, make_file_names_unique, write_colmap_database,
 };
-use crate::matching::align::Measured;
 use crate::matching::aligned::{Alignment, Inlier, Seen};
-use crate::matching::params::doc;
 use crate::matching::tracks::{Tracks, consistent};
 use crate::matching::{
     Blob, Camera, Geometry, MatchCounts, MatchParams, MatchSide, PairSelection, Refusal, TwoViewModel, Verification,
     match_features,
 };
+use crate::matching::{align::Measured, params::doc};
 use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 pub(super) const DATABASE_FILE: &str = "database.db";
 
@@ -119,8 +117,7 @@ pub fn export_detections(
     store.check_output(&folder.join(DATABASE_FILE))?;
     // A camera of another size fails before anything is written.
     let choices = sources.iter().map(|source| job.cameras.of_burst(&source.name));
-    let sizes = choices.zip(bursts).map(|(choice, of)| choice.for_images(of.burst.size()));
-    sizes.collect::<Result<Vec<_>>>()?;
+    choices.zip(bursts).map(|(choice, of)| choice.for_images(of.burst.size())).collect::<Result<Vec<_>>>()?;
     let found: Vec<BurstFeatures> =
         sources.iter().zip(bursts).map(|(source, of)| store.keep(source, of, monitor)).collect::<Result<_>>()?;
     let written = |place: usize| {
@@ -204,8 +201,7 @@ fn add_burst(
     let id = database.add_image(&burst.image_name, place as u32 + 1, &burst.keypoints, &burst.descriptors)?;
     let of = &mut report.cameras[place];
     of.images.push(id);
-    let new = choice.source().filter(|from| !of.from.contains(from));
-    of.from.extend(new.cloned());
+    of.from.extend(choice.source().filter(|from| !of.from.contains(from)).cloned());
     let (name, image, features) = (burst.name.clone(), burst.image_name.clone(), burst.keypoints.len());
     let (frames, resumed) = (burst.frames, burst.resumed);
     report.images.push(ImageReport { id, burst: name, image, frames, features, resumed });
@@ -366,10 +362,8 @@ fn align_all(
         let ([a, b], index) = reported(&report.pairs, images);
         let counts = &mut report.pairs[index].counts;
         counts.inliers = Some(agreed.len());
-        counts.refused = match model {
-            None => Some(Refusal::Pictures),
-            Some(_) => agreed.is_empty().then_some(Refusal::Tracks),
-        };
+        counts.refused =
+            if model.is_none() { Some(Refusal::Pictures) } else { agreed.is_empty().then_some(Refusal::Tracks) };
         let places = [&aligned.places[images.0][..], &aligned.places[images.1]];
         database.add_geometry(a, b, &database_geometry(places, &agreed, model.as_ref()))?;
     }
@@ -381,9 +375,8 @@ fn check_enough(bursts: usize) -> Result<()> {
         return Ok(());
     }
     let have = if bursts == 1 { "1 burst has".into() } else { format!("{bursts} bursts have") };
-    let problem = format!("{have} features, and matching needs two or more");
     let remedy = "name a folder of bursts, or cut a long sequence with --burst-length";
-    Err(Error::new(ErrorKind::Failed, problem, remedy))
+    Err(Error::new(ErrorKind::Failed, format!("{have} features, and matching needs two or more"), remedy))
 }
 
 impl ColmapJob {

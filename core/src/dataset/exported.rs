@@ -1,9 +1,7 @@
 //! Report of an export, read from its folder: from the database, but for features, and from the files of refused pairs.
 
-use super::colmap::DATABASE_FILE;
-use super::kept::pairs_folder;
-use super::kept_pairs::why_refused;
 use super::report::{ColmapReport, ImageReport, Joined, PairReport};
+use super::{colmap::DATABASE_FILE, kept::pairs_folder, kept_pairs::why_refused};
 use crate::error::{Error, Result};
 use crate::export::{GeometryKind, safe_file_name};
 use crate::files::{mark::has_mark, open_database};

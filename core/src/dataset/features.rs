@@ -7,8 +7,7 @@ use super::kept::{
     write_manifest,
 };
 #[cfg(feature = "colmap")]
-use super::pairs::DetectedBurst;
-use super::pairs::seen_part;
+use super::pairs::{DetectedBurst, seen_part};
 use super::picture::{BurstPicture, ImageKind, burst_plane};
 use super::stamp::{Comparison, FileStamp};
 use crate::burst::{Burst, BurstFiles, OpenOptions};
@@ -217,8 +216,7 @@ impl FeatureStore {
 
     /// Reads the features of `source` from its files if it is finished.
     pub fn kept(&self, source: &BurstFiles, monitor: &Monitor) -> Result<BurstFeatures, NotKept> {
-        let files = self.files(source)?;
-        Ok(self.kept_with_record(source, &files, monitor)?.0)
+        Ok(self.kept_with_record(source, &self.files(source)?, monitor)?.0)
     }
 
     fn kept_with_record(
@@ -228,8 +226,7 @@ impl FeatureStore {
         monitor: &Monitor,
     ) -> Result<(BurstFeatures, BurstRecord), NotKept> {
         let record = self.record(source, files, self.comparison, monitor)?;
-        let kept = self.read(source, &record.of)?;
-        Ok((kept, record))
+        Ok((self.read(source, &record.of)?, record))
     }
 
     /// Reads the features that this store has found or kept in this run, with the part of the image that is seen, and

@@ -5,19 +5,16 @@
 //! without one, or with other settings, is computed again: features of two detectors match worse than those of one.
 //! Matched pairs lie in a folder beside the records.
 
-use super::ImageKind;
-use super::blobs::StoredBlobs;
-use super::stamp::FileStamp;
+use super::{ImageKind, blobs::StoredBlobs, stamp::FileStamp};
 use crate::burst::{OpenOptions, files_at};
 use crate::error::{Error, Result};
 use crate::export::{MadeFrom, RECORDS_FOLDER, Record, write_whole};
 use crate::files::mark::{Checksum, OutputKind, claiming, claims};
-use crate::files::unfinished::remove_abandoned;
-use crate::matching::aligned::Seen;
 use crate::{
     detector::{SearchParams, SlopeGrid},
     monitor::Monitor,
 };
+use crate::{files::unfinished::remove_abandoned, matching::aligned::Seen};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

@@ -5,8 +5,7 @@
 //! frames), then 32-bit words, little end first, and the CRC-32 of all before. A file that is not whole, or was made
 //! from anything else, counts as none. Bursts in memory have no files, and their pairs stay there too.
 
-use super::features::FeatureStore;
-use super::kept::pairs_folder;
+use super::{features::FeatureStore, kept::pairs_folder};
 use crate::error::{Error, Result};
 use crate::export::{MadeFrom, write_whole};
 use crate::files::{MAX_TABLE_BYTES, lock::FolderLock, mark::PAIR_MARK, read_bytes};

@@ -2,16 +2,15 @@
 
 use super::{BurstFeatures, FeatureStore};
 use crate::burst::{Burst, BurstFiles, supported_extensions};
-use crate::detect::prepare;
 use crate::detector::{Descriptor, Detection, DetectorParams, Feature};
 use crate::error::{Error, Result};
 use crate::export::{ColmapKeypoint, MatchRow, safe_file_name};
 use crate::files::{MAX_TABLE_BYTES, read_text};
-use crate::matching::aligned::Seen;
 use crate::matching::{
     Blob, Match, MatchParams, MatchResult, MatchSide, PairSelection, Pictures, Unaligned, match_features, match_pair,
 };
 use crate::monitor::{Monitor, Stage};
+use crate::{detect::prepare, matching::aligned::Seen};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
@@ -46,8 +45,7 @@ impl BurstSide {
     /// These features with the pictures of their places, in the frames of `burst` in which `params` search.
     pub fn with_pictures(self, burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self> {
         let (burst, params) = prepare(burst, params, monitor)?;
-        let pictures = Some(Pictures::of(&burst, &params, &self.places, &self.blobs));
-        Ok(Self { pictures, ..self })
+        Ok(Self { pictures: Some(Pictures::of(&burst, &params, &self.places, &self.blobs)), ..self })
     }
 
     /// These features as [`match_features`] takes them.

@@ -318,21 +318,17 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
         // A case of a burst without masks has no such entries.
         let has_mask = zip.index_for_name(&mask).is_some();
         let weights = has_mask.then(|| frame(path, &mut zip, &case.of_weights(), &mask)).transpose()?;
-        frames.push(Arc::new(plane.masked(weights.and_then(Mask::new))));
+        frames.push(plane.masked(weights.and_then(Mask::new)));
     }
     let burst = Burst {
         positions: case.positions()?,
-        name: case.name.clone(),
         frame_names: (0..frames.len()).map(frame_name).collect(),
-        frames,
         full_scale: case.full_scale,
         quantisation_step: case.quantisation_step,
         encoding: case.encoding,
         binning: case.binning,
-        suggested_full_scale: None,
-        remarks: Vec::new(),
-        taken: Vec::new(),
         sources: vec![path.to_owned()],
+        ..Burst::from_planes(case.name.clone(), frames)
     };
     Ok((case, burst))
 }

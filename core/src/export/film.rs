@@ -1,18 +1,16 @@
 //! Films: pictures of one size one after the other, for ever, as GIF, which is shown everywhere but has 256 colours; as
 //! MP4 by the `ffmpeg` in `PATH`, small and with all colours; or as PNG files with numbers, for other programs.
 
-use super::Bitmap;
 use super::atomic::{replace, write_marked};
-use super::png::write_png;
+use super::{Bitmap, png::write_png};
 use crate::burst::{Ran, ffmpeg, file_url, ran};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::{self, mark::OutputKind, mark::seal};
 use crate::monitor::{Monitor, Stage};
 use image::RgbaImage;
-use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::{fs::OpenOptions, process::Command};
 
 /// Whether the name of a file ends as that of a film: `.gif`, `.mp4`, or `.png` for pictures with numbers.
 pub fn is_film(path: &Path) -> bool {

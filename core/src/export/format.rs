@@ -1,8 +1,7 @@
 //! The formats in which features are exported, and the names of their files, for the window's dialog and `--format`.
 
-use super::colmap::write_colmap;
 use super::csv::{FeatureVerdict, write_csv};
-use super::npz::write_npz;
+use super::{colmap::write_colmap, npz::write_npz};
 use crate::detector::Detection;
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -52,8 +51,7 @@ impl FromStr for ExportFormat {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let named = |f: &Self| f.to_string().eq_ignore_ascii_case(text.trim());
-        Self::ALL.into_iter().find(named).ok_or_else(|| {
+        Self::ALL.into_iter().find(|f| f.to_string().eq_ignore_ascii_case(text.trim())).ok_or_else(|| {
             let problem = format!("there is no export format '{text}'");
             Error::param("", problem, "the formats are csv, colmap and npz")
         })
@@ -72,9 +70,8 @@ pub fn write_detection(
     verdicts: Option<&[FeatureVerdict]>,
     formats: &[ExportFormat],
 ) -> Result<Vec<PathBuf>> {
-    let files = detection_files(folder, burst_name, formats);
     // Stops at the first error: a full disk fails for every format.
-    let written = files.into_iter().zip(formats).map(|(path, format)| {
+    let written = detection_files(folder, burst_name, formats).into_iter().zip(formats).map(|(path, format)| {
         format.write(&path, detection, verdicts)?;
         Ok(path)
     });

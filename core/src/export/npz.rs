@@ -2,11 +2,9 @@
 //! the CSV's columns, `descriptors` `[N, 128]` uint8 in UBC order. For empty cells of the CSV, `field_u` and `field_v`
 //! are NaN, `field_sigma` infinite, `layer` 0. `motion` is 0 unknown, 1 surroundings, 2 own, 3 edge, 4 ghost.
 
-use super::atomic::write_marked;
-use super::csv::FeatureVerdict;
+use super::{atomic::write_marked, csv::FeatureVerdict};
 use crate::detector::{Descriptor, Feature, Motion, MotionField, Quantity};
-use crate::error::Result;
-use crate::files::mark::OutputKind;
+use crate::{error::Result, files::mark::OutputKind};
 use ndarray::{Array1, Array2, Array3, ArrayView2};
 use ndarray_npy::NpzWriter;
 use std::{io, path::Path};

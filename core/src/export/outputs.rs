@@ -3,9 +3,7 @@
 //! An existing file is checked before the work begins, so that a refusal comes early, and again before it is written.
 //! Names of a file may be relative, lead through links, or be one of several: the system's data tell which is an input.
 
-use super::atomic::is_of_system;
-use super::colmap::is_colmap_text;
-use super::csv::is_table;
+use super::{atomic::is_of_system, colmap::is_colmap_text, csv::is_table};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::mark::{Checksum, has_mark};
 use std::path::{Path, PathBuf};

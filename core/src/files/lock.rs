@@ -94,7 +94,11 @@ impl FolderLock {
             match file.try_lock() {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
-                    let problem = format!("{} writes into this folder", owner_in(&mut file));
+                    let mut owner = String::new();
+                    // Where a lock keeps other processes from reading, the owner is unknown.
+                    let _ = file.take(4096).read_to_string(&mut owner);
+                    let owner = if owner.trim().is_empty() { "another process" } else { owner.trim() };
+                    let problem = format!("{owner} writes into this folder");
                     let remedy = "wait until it has finished, or name another folder";
                     return Err(Error::new(ErrorKind::Locked, problem, remedy).about(folder));
                 }
@@ -147,13 +151,6 @@ fn owner() -> String {
     let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let on_host = if host.trim().is_empty() { String::new() } else { format!(" on {}", host.trim()) };
     format!("{OWNER}{}{on_host}", std::process::id())
-}
-
-fn owner_in(file: &mut File) -> String {
-    let mut owner = String::new();
-    // Where a lock keeps other processes from reading, the owner is unknown.
-    let _ = file.take(4096).read_to_string(&mut owner);
-    if owner.trim().is_empty() { "another process".to_owned() } else { owner.trim().to_owned() }
 }
 
 #[cfg(unix)]

@@ -212,8 +212,7 @@ impl MarkPlace {
 /// file.
 pub fn seal(file: &mut File, kind: OutputKind) -> io::Result<()> {
     let place = MarkPlace::of(&part_of(file, 0, HEAD)?);
-    let length = file.seek(SeekFrom::End(0))?;
-    let before = length.saturating_sub(place.end().len() as u64);
+    let before = file.seek(SeekFrom::End(0))?.saturating_sub(place.end().len() as u64);
     if part_of(file, before, TAIL)? != place.end() {
         return Err(io::Error::other("this file does not end as its format does, and takes no mark"));
     }

@@ -16,12 +16,10 @@ pub mod result;
 pub mod slopes;
 pub mod words;
 
-use crate::burst::Burst;
-use crate::detect::PreparedSearch;
 use crate::detector::pipeline::{FirstFeatures, Keeping, search_with_trail};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding, Slopes, Trail, find_slopes};
-use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
+use crate::{burst::Burst, detect::PreparedSearch, error::Result};
 use std::sync::{Arc, OnceLock};
 
 /// A burst, its detection, and the parameters of the detection.

@@ -2,9 +2,8 @@
 //!
 //! Where no frame sees a place, the filled values are averaged, since a hidden sample keeps a small weight.
 
-use crate::kernel::offset::FrameOffset;
-use crate::plane::Plane;
 use crate::plane::mask::{HIDDEN_WEIGHT, join};
+use crate::{kernel::offset::FrameOffset, plane::Plane};
 use multiversion::multiversion;
 use std::ops::Range;
 

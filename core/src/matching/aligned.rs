@@ -181,10 +181,8 @@ pub(super) fn align_pair(
         |(measured, link): (&Option<Measured>, Option<usize>)| Some(((*measured)?, aligned.residuals_px[link?]));
     let measured = measured.iter().zip(links).map(residual).collect();
     let Ok([a, b]) = <[Vec<[f64; 2]>; 2]>::try_from(aligned.places) else { return Ok(()) };
-    let error_px = |m: &Match| {
-        let error_px = confirmed.model.as_ref().map(|model| model.error_px(a[m.a], b[m.b]) as f32);
-        error_px.unwrap_or(f32::INFINITY)
-    };
+    let error_px =
+        |m: &Match| confirmed.model.as_ref().map_or(f32::INFINITY, |model| model.error_px(a[m.a], b[m.b]) as f32);
     let error_px = result.matches.iter().map(error_px).collect();
     // Only former inliers can stay inliers.
     let mut inlier = vec![false; result.matches.len()];
@@ -338,8 +336,7 @@ impl AlignedImages {
         // Back to the indices of the former inliers.
         let mut inlier = vec![false; inliers.len()];
         kept.iter().zip(&of_kept.inlier).for_each(|(&index, &is_one)| inlier[index] = is_one);
-        let error_px = (0..inliers.len()).map(error_px).collect();
-        Ok(Some(Verification { inlier, error_px, ..of_kept }))
+        Ok(Some(Verification { inlier, error_px: (0..inliers.len()).map(error_px).collect(), ..of_kept }))
     }
 
     /// Geometry of a pair estimated again, from the `former` one, its `inliers` and those that others imply, and which

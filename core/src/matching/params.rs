@@ -1,9 +1,8 @@
 //! The parameters of matching, with their descriptions and checks: the command line, the window and files use [`doc`].
 
-use crate::camera::Camera;
 use crate::detector::params::{Param, TextValue, words};
 use crate::error::{Error, Result};
-use crate::files::without_table;
+use crate::{camera::Camera, files::without_table};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use toml::Table;

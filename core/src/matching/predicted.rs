@@ -9,9 +9,8 @@
 //! Orientations of one keypoint count as one: they are no rivals of each other, and a pair of places is matched once.
 
 use super::geometry::{Parallax, TwoViewModel};
-use super::params::MatchParams;
 use super::putative::{Nearest, Predicted, distance_squared};
-use super::{Match, MatchSide};
+use super::{Match, MatchSide, params::MatchParams};
 use crate::detector::field::depth::{InverseDepth, inverse_depths};
 use crate::monitor::{Cancelled, Monitor};
 use crate::synth::random::Stream;
@@ -97,15 +96,6 @@ pub struct Agreement {
     pub by_chance: f64,
 }
 
-impl Agreement {
-    fn is_enough(&self) -> bool {
-        let (known, agreeing) = (self.known as f64, self.agreeing as f64);
-        let share = self.by_chance / known;
-        let beyond = self.by_chance + BEYOND_CHANCE * (known * share * (1.0 - share)).max(1.0).sqrt();
-        agreeing >= CLEARLY_AGREEING * known || (agreeing >= LEAST_AGREEING * known && agreeing >= beyond)
-    }
-}
-
 /// Prediction of a pair's matches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
@@ -128,33 +118,29 @@ impl Prediction {
         let places: Vec<([f64; 2], [f64; 2])> = inliers.iter().map(|&(i, j)| (a.places[i], b.places[j])).collect();
         let [forward, backward] = Parallax::of(model, &places)?;
         let across = ACROSS * f64::from(params.max_error_px);
-        let there = OneWay::new(forward, a, inliers.iter().map(|&(i, j)| (i, b.places[j])), params.seed)?;
-        let back = OneWay::new(backward, b, inliers.iter().map(|&(i, j)| (j, a.places[i])), params.seed)?;
+        let (to_b, to_a) = inliers.iter().map(|&(i, j)| ((i, b.places[j]), (j, a.places[i]))).unzip();
         // Both ways: motions of one burst may be right and those of the other not.
-        let agreement = [there.agreement, back.agreement];
-        Some(Self { agreement, in_b: there.expected(across), in_a: back.expected(across) })
+        let (of_a, in_b) = one_way(&forward, a, to_b, across, params.seed)?;
+        let (of_b, in_a) = one_way(&backward, b, to_a, across, params.seed)?;
+        Some(Self { agreement: [of_a, of_b], in_b, in_a })
     }
 
     /// Whether motions and sure matches agree as they do in one scene.
     pub fn is_believed(&self) -> bool {
-        self.agreement.iter().all(Agreement::is_enough)
+        self.agreement.iter().all(|&Agreement { known, agreeing, by_chance }| {
+            let (known, agreeing) = (known as f64, agreeing as f64);
+            let share = by_chance / known;
+            let beyond = by_chance + BEYOND_CHANCE * (known * share * (1.0 - share)).max(1.0).sqrt();
+            agreeing >= CLEARLY_AGREEING * known || (agreeing >= LEAST_AGREEING * known && agreeing >= beyond)
+        })
     }
-}
-
-struct OneWay {
-    parallax: Parallax,
-    straight: Vec<Vector2<f64>>,
-    depths: Vec<Option<InverseDepth>>,
-    /// Parallax for an inverse depth of 1, and that of a plane: of u and v in thousands of pixels, and of 1.
-    numbers: Vector4<f64>,
-    agreement: Agreement,
 }
 
 #[derive(Clone, Copy)]
 struct SureMatch {
     x: Vector2<f64>,
     there: Vector2<f64>,
-    /// Inverse depth, and the place as in [`OneWay::numbers`].
+    /// Inverse depth, and the place: u and v in thousands of pixels, and 1.
     terms: Vector4<f64>,
     kappa: f64,
 }
@@ -163,59 +149,54 @@ fn terms(x: Vector2<f64>, inverse_depth: f64) -> Vector4<f64> {
     Vector4::new(inverse_depth, x.x / 1000.0, x.y / 1000.0, 1.0)
 }
 
-impl OneWay {
-    fn new(
-        parallax: Parallax,
-        side: MatchSide<'_>,
-        inliers: impl Iterator<Item = (usize, [f64; 2])>,
-        seed: u64,
-    ) -> Option<Self> {
-        let motions: Vec<_> = side.blobs.iter().map(|blob| (blob.motion, blob.motion_sigma)).collect();
-        let depths = inverse_depths(side.places, &motions);
-        let straight: Vec<Vector2<f64>> = side.places.iter().map(|place| parallax.straight(0, *place)).collect();
-        let known = |(index, there): (usize, [f64; 2])| {
-            let depth = depths.get(index).copied().flatten()?;
-            let (x, there) = (straight[index], parallax.straight(1, there));
-            Some(SureMatch { x, there, terms: terms(x, depth.value), kappa: parallax.parallax(x, there)? })
-        };
-        let all: Vec<SureMatch> = inliers.filter_map(known).collect();
-        if all.len() < FEWEST_KNOWN {
-            return None;
-        }
-        // Evenly thinned out, so that all parts of the image decide.
-        let mut known: Vec<SureMatch> = all.iter().copied().step_by(all.len().div_ceil(MOST_KNOWN)).collect();
-        let agreeing = |known: &[SureMatch], numbers: &Vector4<f64>| {
-            known.iter().filter(|known| miss(&parallax, known, numbers) < AGREEING_PX).count()
-        };
-        let numbers_of = |known: &[SureMatch]| numbers(&parallax, known, seed);
-        let numbers = numbers_of(&known)?;
-        let mut agreement = Agreement { known: known.len(), agreeing: agreeing(&known, &numbers), by_chance: 0.0 };
-        let mut random = Stream::new(seed, 1);
-        for _ in 0..SHUFFLES {
-            // By chance: the inverse depths of other places, fitted in the same way.
-            for i in (1..known.len()).rev() {
-                let j = random.below(i + 1);
-                (known[i].terms[0], known[j].terms[0]) = (known[j].terms[0], known[i].terms[0]);
-            }
-            let by_chance = numbers_of(&known).map_or(0, |numbers| agreeing(&known, &numbers));
-            agreement.by_chance += by_chance as f64 / SHUFFLES as f64;
-        }
-        Some(Self { parallax, straight, depths, numbers, agreement })
+/// Agreement of the motions of `side` with its `inliers` and their places in the other image, and where each feature is
+/// expected there.
+fn one_way(
+    parallax: &Parallax,
+    side: MatchSide<'_>,
+    inliers: Vec<(usize, [f64; 2])>,
+    half_across_px: f64,
+    seed: u64,
+) -> Option<(Agreement, Vec<Option<Expected>>)> {
+    let motions: Vec<_> = side.blobs.iter().map(|blob| (blob.motion, blob.motion_sigma)).collect();
+    let depths = inverse_depths(side.places, &motions);
+    let straight: Vec<Vector2<f64>> = side.places.iter().map(|place| parallax.straight(0, *place)).collect();
+    let known = |(index, there): (usize, [f64; 2])| {
+        let depth = depths.get(index).copied().flatten()?;
+        let (x, there) = (straight[index], parallax.straight(1, there));
+        Some(SureMatch { x, there, terms: terms(x, depth.value), kappa: parallax.parallax(x, there)? })
+    };
+    let all: Vec<SureMatch> = inliers.into_iter().filter_map(known).collect();
+    if all.len() < FEWEST_KNOWN {
+        return None;
     }
-
-    fn expected(&self, half_across_px: f64) -> Vec<Option<Expected>> {
-        let expected = |(x, depth): (&Vector2<f64>, &Option<InverseDepth>)| {
-            let depth = depth.as_ref()?;
-            let kappa = self.numbers.dot(&terms(*x, depth.value));
-            let there = self.parallax.transferred(*x, kappa)?;
-            let px_by_depth = there.by_parallax * self.numbers[0];
-            let along = px_by_depth.try_normalize(0.0)?;
-            let half_along_px = (REACH_SIGMAS * depth.sigma * px_by_depth.norm()).max(ALONG_PX);
-            let (place, along) = (there.place.into(), along.into());
-            (half_along_px <= MOST_ALONG_PX).then_some(Expected { place, along, half_along_px, half_across_px })
-        };
-        self.straight.iter().zip(&self.depths).map(expected).collect()
+    // Evenly thinned out, so that all parts of the image decide.
+    let mut known: Vec<SureMatch> = all.iter().copied().step_by(all.len().div_ceil(MOST_KNOWN)).collect();
+    let agreeing = |known: &[SureMatch], numbers: &Vector4<f64>| {
+        known.iter().filter(|known| miss(parallax, known, numbers) < AGREEING_PX).count()
+    };
+    let factors = numbers(parallax, &known, seed)?;
+    let mut agreement = Agreement { known: known.len(), agreeing: agreeing(&known, &factors), by_chance: 0.0 };
+    let mut random = Stream::new(seed, 1);
+    for _ in 0..SHUFFLES {
+        // By chance: the inverse depths of other places, fitted in the same way.
+        for i in (1..known.len()).rev() {
+            let j = random.below(i + 1);
+            (known[i].terms[0], known[j].terms[0]) = (known[j].terms[0], known[i].terms[0]);
+        }
+        let by_chance = numbers(parallax, &known, seed).map_or(0, |numbers| agreeing(&known, &numbers));
+        agreement.by_chance += by_chance as f64 / SHUFFLES as f64;
     }
+    let expected = |(x, depth): (&Vector2<f64>, &Option<InverseDepth>)| {
+        let depth = depth.as_ref()?;
+        let there = parallax.transferred(*x, factors.dot(&terms(*x, depth.value)))?;
+        let px_by_depth = there.by_parallax * factors[0];
+        let along = px_by_depth.try_normalize(0.0)?;
+        let half_along_px = (REACH_SIGMAS * depth.sigma * px_by_depth.norm()).max(ALONG_PX);
+        let (place, along) = (there.place.into(), along.into());
+        (half_along_px <= MOST_ALONG_PX).then_some(Expected { place, along, half_along_px, half_across_px })
+    };
+    Some((agreement, straight.iter().zip(&depths).map(expected).collect()))
 }
 
 fn miss(parallax: &Parallax, known: &SureMatch, numbers: &Vector4<f64>) -> f64 {
@@ -223,20 +204,19 @@ fn miss(parallax: &Parallax, known: &SureMatch, numbers: &Vector4<f64>) -> f64 {
     there.map_or(f64::INFINITY, |there| (there.place - known.there).norm())
 }
 
+/// Factors of [`SureMatch::terms`]: the parallax for an inverse depth of 1, and that of a plane.
 fn numbers(parallax: &Parallax, known: &[SureMatch], seed: u64) -> Option<Vector4<f64>> {
     let weight = |numbers: &Vector4<f64>, known: &SureMatch| {
         1.0 / (1.0 + (miss(parallax, known, numbers) / (0.5 * AGREEING_PX)).powi(2))
     };
     let score = |numbers: &Vector4<f64>| known.iter().map(|known| weight(numbers, known)).sum::<f64>();
-    let samples = samples(parallax.cameras.is_some(), known, seed);
-    let scored = samples.into_iter().map(|numbers| (score(&numbers), numbers));
+    let scored = samples(parallax.cameras.is_some(), known, seed).into_iter().map(|numbers| (score(&numbers), numbers));
     let mut best = scored.reduce(|best, other| if other.0 > best.0 { other } else { best })?;
     // Reweighted least squares from the best sample, as long as the score rises.
     for _ in 0..REFINEMENTS {
         let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
         for known in known {
-            let kappa = best.1.dot(&known.terms);
-            let Some(there) = parallax.transferred(known.x, kappa) else { continue };
+            let Some(there) = parallax.transferred(known.x, best.1.dot(&known.terms)) else { continue };
             // The error of κ in pixels; matches far off hardly count.
             let weight = there.by_parallax.norm_squared() * weight(&best.1, known).powi(2);
             normal += known.terms * known.terms.transpose() * weight;
@@ -276,9 +256,6 @@ fn samples(is_calibrated: bool, known: &[SureMatch], seed: u64) -> Vec<Vector4<f
     (0..MOST_SAMPLES).filter_map(sample).collect()
 }
 
-/// For each feature of A those of B that it is compared with.
-type Candidates = Vec<Vec<u32>>;
-
 /// Finds the matches at the places of `prediction`, in the order of A's features: nearest there, with a ratio of at
 /// most [`PREDICTED_RATIO`] to the nearest at another place, and, with the mutual check, both ways. Features without a
 /// predicted place keep their `sure` match, as do those that do not agree with `model`.
@@ -290,7 +267,7 @@ pub(super) fn predicted_matches(
     monitor: &Monitor,
 ) -> Result<Vec<Match>, Cancelled> {
     let in_b = candidates([a, b], model, prediction);
-    let mut in_a: Candidates = vec![Vec::new(); b.places.len()];
+    let mut in_a: Vec<Vec<u32>> = vec![Vec::new(); b.places.len()];
     for (i, others) in in_b.iter().enumerate() {
         others.iter().for_each(|&j| in_a[j as usize].push(i as u32));
     }
@@ -324,7 +301,8 @@ pub(super) fn predicted_matches(
     Ok(matches)
 }
 
-fn candidates([a, b]: [MatchSide<'_>; 2], model: &TwoViewModel, prediction: &Prediction) -> Candidates {
+/// For each feature of A those of B that it is compared with.
+fn candidates([a, b]: [MatchSide<'_>; 2], model: &TwoViewModel, prediction: &Prediction) -> Vec<Vec<u32>> {
     let straight = |side: MatchSide<'_>, image| -> Vec<Vector2<f64>> {
         side.places.iter().map(|place| Vector2::from(model.straight(image, *place))).collect()
     };
@@ -358,7 +336,7 @@ fn candidates([a, b]: [MatchSide<'_>; 2], model: &TwoViewModel, prediction: &Pre
 fn nearest_among(
     from: MatchSide<'_>,
     to: MatchSide<'_>,
-    candidates: &Candidates,
+    candidates: &[Vec<u32>],
     monitor: &Monitor,
 ) -> Result<Vec<Option<Nearest>>, Cancelled> {
     let nearest = |(index, others): (usize, &Vec<u32>)| {

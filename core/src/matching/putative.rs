@@ -167,16 +167,17 @@ fn search([queries, searched]: [&[Descriptor]; 2], both: bool, monitor: &Monitor
             (Vec::with_capacity(part.len()), vec![State::START; blocks.len() * usize::from(both)]);
         for (first, group) in (first..).step_by(GROUP).zip(part.chunks(GROUP)) {
             monitor.check()?;
-            let (elements, lengths) = (floats_of(group), lengths_of(group));
+            let elements = floats_of(group);
+            let lengths: Vec<f32> = group.iter().map(|query| squared_length(query) as f32).collect();
             let mut states = [State::START; GROUP];
             for (number, block) in blocks.iter().enumerate() {
                 // With a large set each group of queries takes a while.
                 if number % 1024 == 1023 {
                     monitor.check()?;
                 }
-                let (back, lengths, numbers) =
-                    (back.get_mut(number), &lengths[..group.len()], (first as u32, number as u32));
-                arch.dispatch(BlockSearch { elements: &elements, lengths, block, numbers, states: &mut states, back });
+                let (elements, states, lengths) = (&elements, &mut states, &lengths);
+                let (numbers, back) = ((first as u32, number as u32), back.get_mut(number));
+                arch.dispatch(BlockSearch { elements, lengths, block, numbers, states, back });
             }
             nearest.extend(group.iter().zip(&states).map(|(query, state)| state.nearest(squared_length(query))));
             let done = group.len() + finished.fetch_add(group.len(), Ordering::Relaxed);
@@ -230,10 +231,6 @@ fn floats_of(group: &[Descriptor]) -> [[[f32; TILE]; LENGTH]; GROUP / TILE] {
         }
     }
     tiles
-}
-
-fn lengths_of(group: &[Descriptor]) -> [f32; GROUP] {
-    std::array::from_fn(|index| group.get(index).map_or(0.0, |query| squared_length(query) as f32))
 }
 
 /// Best results so far, lane by lane. Scores are 2·a·b less the squared length of the result: the larger, the nearer.
@@ -358,8 +355,7 @@ impl BlockSearch<'_> {
             }
             for (q, &length) in (first..).zip(&self.lengths[first..]).take(QUERIES) {
                 let mut products = [0.0f32; LANES];
-                let out = S::as_mut_simd_f32s(&mut products).0;
-                out.copy_from_slice(&sums[q - first]);
+                S::as_mut_simd_f32s(&mut products).0.copy_from_slice(&sums[q - first]);
                 self.states[q].update(&products, &self.block.squared_lengths, self.numbers.1);
                 // The same products, seen from the block's descriptors.
                 if let Some(back) = &mut self.back {

@@ -4,8 +4,7 @@ use super::putative::{Nearest, nearest_two_both_ways};
 use crate::detector::Descriptor;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use rayon::prelude::*;
-use std::cmp::Reverse;
-use std::{collections::BTreeSet, fmt, str::FromStr};
+use std::{cmp::Reverse, collections::BTreeSet, fmt, str::FromStr};
 
 /// A choice of pairs.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

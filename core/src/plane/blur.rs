@@ -84,8 +84,7 @@ pub fn smoothed(plane: &Plane, sigma_px: f64, monitor: &Monitor) -> Result<Plane
 /// Plane (with its mask) blurred by a triangle that reaches 0 at `half_width` pixels; the nearest pixel is repeated.
 pub(crate) fn triangle_blur(plane: &Plane, half_width: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let area = (half_width * half_width) as f32;
-    let half = (0..half_width).map(|k| (half_width - k) as f32 / area).collect();
-    let kernel = GaussianKernel::of_half(half);
+    let kernel = GaussianKernel::of_half((0..half_width).map(|k| (half_width - k) as f32 / area).collect());
     let mask = plane.mask().map(|mask| blurred_by_rows(mask.weights(), &kernel, monitor)).transpose()?;
     Ok(blurred_by_rows(plane, &kernel, monitor)?.with_mask(mask.and_then(Mask::new)))
 }

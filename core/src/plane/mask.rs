@@ -4,12 +4,9 @@
 //! [`Plane::masked`] fills it smoothly from the seen samples around, so that no mask makes an edge and nothing is NaN.
 //! Values are filled from means over squares of 2, 4, 8 … pixels, the coarse ones where little is seen.
 
-use super::Plane;
-use super::sample::bilinear;
-use super::statistics::Region;
-use std::borrow::Cow;
+use super::{Plane, sample::bilinear, statistics::Region};
 use std::ops::{Add, Range};
-use std::sync::Arc;
+use std::{borrow::Cow, sync::Arc};
 
 /// Weight of a hidden sample beside 1 for a seen one: it decides only where no frame sees a place.
 pub(crate) const HIDDEN_WEIGHT: f32 = 1.0 / 1024.0;

@@ -8,7 +8,7 @@ use crate::error::{Error, ErrorKind, Result};
 use bytemuck::Zeroable;
 use std::ops::{Deref, DerefMut};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
 fn no_memory(bytes: u64) -> Error {
     let problem = format!("there is no memory for {} MiB more", bytes.div_ceil(1 << 20));
@@ -44,16 +44,14 @@ pub fn check_room(bytes: u64) {
 /// Memory available to this process, bytes: the minimum of the machine's, its control group's and its own limit of
 /// address space. `None` where the system does not report it (anything but Linux). Read once.
 pub fn machine_bytes() -> Option<u64> {
-    static BYTES: OnceLock<Option<u64>> = OnceLock::new();
-    *BYTES.get_or_init(read_machine_bytes)
-}
-
-fn read_machine_bytes() -> Option<u64> {
-    let read = |path: &str| std::fs::read_to_string(path).ok();
-    let total = machine_bytes_of(&read("/proc/meminfo")?)?;
-    let group = read("/sys/fs/cgroup/memory.max").and_then(|text| text.trim().parse().ok());
-    let own = read("/proc/self/limits").and_then(|text| address_space_of(&text));
-    Some([group, own].into_iter().flatten().fold(total, u64::min))
+    static BYTES: LazyLock<Option<u64>> = LazyLock::new(|| {
+        let read = |path: &str| std::fs::read_to_string(path).ok();
+        let total = machine_bytes_of(&read("/proc/meminfo")?)?;
+        let group = read("/sys/fs/cgroup/memory.max").and_then(|text| text.trim().parse().ok());
+        let own = read("/proc/self/limits").and_then(|text| address_space_of(&text));
+        Some([group, own].into_iter().flatten().fold(total, u64::min))
+    });
+    *BYTES
 }
 
 fn machine_bytes_of(meminfo: &str) -> Option<u64> {

@@ -51,8 +51,7 @@ pub fn difference(a: &Plane, b: &Plane, b_px_per_a_px: f32) -> Plane {
         return Plane::from_fn(a.width(), a.height(), |u, v| a.at(u, v) - b.at(u, v));
     }
     Plane::from_fn(a.width(), a.height(), |u, v| {
-        let other = bilinear(b, u as f32 * b_px_per_a_px, v as f32 * b_px_per_a_px);
-        a.at(u, v) - other.unwrap_or(f32::NAN)
+        a.at(u, v) - bilinear(b, u as f32 * b_px_per_a_px, v as f32 * b_px_per_a_px).unwrap_or(f32::NAN)
     })
 }
 

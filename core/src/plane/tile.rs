@@ -3,8 +3,7 @@
 //! The search works tile by tile so that its memory stays bounded and its data stays in the cache. A [`Tile`] knows
 //! which columns and rows of the image it holds; its buffer is reused from slope to slope.
 
-use super::Plane;
-use super::memory::Aligned;
+use super::{Plane, memory::Aligned};
 use std::ops::Range;
 
 /// Part of an image: columns × rows.

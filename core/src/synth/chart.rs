@@ -3,13 +3,11 @@
 //! The test target on which detectors are compared: any feature that is no disc is false. Discs do not touch at
 //! mid-burst and stay inside the image in all frames. Where they cross the faster one is in front, as if nearer.
 
-use super::arm::Arm;
-use super::noise::Camera;
 #[cfg(feature = "cli")]
 use super::options::{SNR_HELP, motions, parse_range, words};
 use super::truth::{FeatureTruth, Truth, TruthKind};
-use super::uneven::Uneven;
-use super::{Motion, capture_burst, check_common, check_snr, outermost};
+use super::{Motion, capture_burst, check_common, check_snr, outermost, uneven::Uneven};
+use super::{arm::Arm, noise::Camera};
 use crate::error::{Error, Result};
 use crate::synth::{random::Stream, truth::disc_sigma};
 use crate::{burst::Burst, monitor::Monitor, plane::Plane};
@@ -193,8 +191,7 @@ pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Tr
     })?;
     let (size, noise) = ((params.width, params.height), (exposure.background, Some(params.snr)));
     let truth = Truth::captured(TruthKind::Chart, size, (params.frames, params.seed), &exposure.camera, noise);
-    let truth = taken.truth(Truth { features, ..truth });
-    Ok((burst, arm.truth(truth)))
+    Ok((burst, arm.truth(taken.truth(Truth { features, ..truth }))))
 }
 
 /// Blends a disc of level `value` into `plane` by the share of each pixel's area, in 16 thin strips, exact along rows.

@@ -2,13 +2,11 @@
 //!
 //! Four planes pass the camera, so dark that one frame shows little. Averaging at a plane's slope makes it visible.
 
-use super::capture_burst;
 use super::layer::{Layer, draw_layers, even_within, visible_landmarks};
-use super::noise::Camera;
 use super::paint::{Area, fractal_relief};
 use super::random::{Stream, lattice};
 use super::truth::{Truth, TruthKind};
-use super::uneven::Taken;
+use super::{capture_burst, noise::Camera, uneven::Taken};
 use crate::burst::{Burst, Offset};
 use crate::monitor::Monitor;
 
@@ -189,8 +187,7 @@ fn sign(reach: f64) -> Layer {
     for post in [238.0, 372.0] {
         layer.sheet.rectangle(Area::new(post - 3.0, 150.0, post + 3.0, 380.0), 0.026);
     }
-    let board = Area::new(212.0, 128.0, 398.0, 184.0);
-    layer.sheet.rectangle(board, 0.030);
+    layer.sheet.rectangle(Area::new(212.0, 128.0, 398.0, 184.0), 0.030);
     layer.sheet.rectangle(Area::new(215.0, 131.0, 395.0, 181.0), 0.002);
     let pitch = 5.7;
     for (k, letter) in LETTERS.iter().enumerate() {

@@ -1,15 +1,12 @@
 //! Small built-in bursts as examples: two failures of the paper's method, and scenes that show one effect each.
 //! [`Example::help`] says what an example shows, [`Example::place`] where to probe it.
 
-use super::capture_burst;
-use super::demo::camera;
 use super::layer::{Layer, draw_layers, even_within, visible_landmarks};
 use super::truth::{Truth, TruthKind};
-use super::uneven::Taken;
+use super::{capture_burst, demo::camera, uneven::Taken};
 use crate::burst::{Burst, Offset, Positions};
-use crate::monitor::Monitor;
 use crate::synth::paint::{Area, fractal_relief};
-use crate::synth::random::Stream;
+use crate::{monitor::Monitor, synth::random::Stream};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 use strum::{EnumCount, VariantArray};
@@ -190,10 +187,7 @@ impl Example {
     }
 
     fn positions(self) -> Positions {
-        match self {
-            Self::Views => Positions::grid(VIEWS, VIEWS),
-            _ => Positions::even(EXAMPLE_FRAMES),
-        }
+        if self == Self::Views { Positions::grid(VIEWS, VIEWS) } else { Positions::even(EXAMPLE_FRAMES) }
     }
 
     /// Time of its mid-burst after the scene's own, frames.

@@ -144,8 +144,7 @@ fn capture_burst(
         .par_iter()
         .map(|&(t, at)| {
             monitor.check()?;
-            let signal = signal_at(at)?;
-            let frame = camera.capture(&signal, &mut Stream::new(seed, t as u64 + 1), monitor)?;
+            let frame = camera.capture(&signal_at(at)?, &mut Stream::new(seed, t as u64 + 1), monitor)?;
             let count = done.fetch_add(1, Ordering::Relaxed) + 1;
             monitor.report(Stage::Synth, count as f32 / frames as f32);
             Ok(frame)

@@ -8,8 +8,7 @@
 //! The per-pixel signal-to-noise ratio of an object on a background is `|x_object − x_background| / σ`, with σ of one
 //! pixel at the mean `x` of both levels: `σ² = (x·F + r²)/F² + q²/12` for the quantisation step `q`.
 
-use super::check_snr;
-use super::random::Stream;
+use super::{check_snr, random::Stream};
 use crate::error::{Error, Result};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -106,10 +105,8 @@ impl Camera {
             value = electrons / self.full_scale_electrons;
         }
         value += self.black_level;
-        match self.bits {
-            Some(bits) => f32::from(quantised_word(value, bits)) / 65535.0,
-            None => value.clamp(0.0, 1.0) as f32,
-        }
+        let whole = |bits| f32::from(quantised_word(value, bits)) / 65535.0;
+        self.bits.map_or(value.clamp(0.0, 1.0) as f32, whole)
     }
 }
 

@@ -9,8 +9,7 @@ use crate::burst::{Burst, LUMA_WEIGHTS};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use serde::{Serialize, Serializer};
-use std::f64::consts::TAU;
-use std::{io::Cursor, ops::RangeInclusive};
+use std::{f64::consts::TAU, io::Cursor, ops::RangeInclusive};
 
 /// Deviation of a burst's noise from white noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -2,17 +2,13 @@
 //!
 //! The farthest layer fills the frame; nearer ones carry boards of writing, stripes, or dots, the truth's landmarks.
 
-use super::arm::Arm;
-use super::chart::CLEARANCE_SIGMAS;
 use super::layer::{Layer, draw_layers, visible_landmarks};
-use super::noise::Camera;
 #[cfg(feature = "cli")]
 use super::options::{SNR_HELP, motions};
 use super::paint::{Area, fractal_relief};
-use super::random::Stream;
 use super::truth::{Truth, TruthKind};
-use super::uneven::Uneven;
-use super::{Motion, capture_burst, check_common};
+use super::{Motion, capture_burst, check_common, random::Stream, uneven::Uneven};
+use super::{arm::Arm, chart::CLEARANCE_SIGMAS, noise::Camera};
 use crate::burst::{Burst, Offset};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;

@@ -87,17 +87,8 @@ impl Truth {
         camera: &Camera,
         (background, snr): (f64, Option<f64>),
     ) -> Self {
-        Self {
-            kind,
-            width,
-            height,
-            frames,
-            t0: 0.5 * (frames as f64 - 1.0),
-            seed,
-            noise: NoiseTruth::of(camera, background, snr),
-            black_level: camera.black_level,
-            ..Self::default()
-        }
+        let (t0, noise) = (0.5 * (frames as f64 - 1.0), NoiseTruth::of(camera, background, snr));
+        Self { kind, width, height, frames, t0, seed, noise, black_level: camera.black_level, ..Self::default() }
     }
 
     /// Offset of each frame from the reference.

@@ -2,8 +2,7 @@
 //!
 //! The things of an even burst stay: an uneven one shows them at other times, and can be compared frame by frame.
 
-use super::random::Stream;
-use super::truth::Truth;
+use super::{random::Stream, truth::Truth};
 use crate::burst::{Offset, Positions, ViewGrid};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -114,8 +113,7 @@ impl Taken {
     }
 
     pub(super) fn all(positions: &Positions) -> Self {
-        let is_even = positions.is_even();
-        Self { frames: positions.offsets().iter().copied().enumerate().collect(), is_even }
+        Self { frames: positions.offsets().iter().copied().enumerate().collect(), is_even: positions.is_even() }
     }
 
     fn times(&self) -> Vec<f64> {

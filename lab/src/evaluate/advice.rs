@@ -174,8 +174,7 @@ impl AdviceStudy {
 
 fn advised((kind, scene, given, known): &Kind, snr: f64, seed: u64, monitor: &Monitor) -> Result<AdvisedBurst> {
     let (burst, truth) = burst_of(scene, *known, snr, seed, monitor)?;
-    let slopes = given.map_or(Slopes::AUTO, Into::into);
-    let asked = SearchParams { slopes, ..SearchParams::default() };
+    let asked = SearchParams { slopes: given.map_or(Slopes::AUTO, Into::into), ..SearchParams::default() };
     let Searched { detection, params, finding, .. } = search(&burst, &asked, monitor)?;
     let shown = finding.map_or_else(|| find_slopes(&burst, &params, None, monitor), Ok)?;
     let judged = judgement(&detection, &params, Some(&shown), &burst, monitor)?;

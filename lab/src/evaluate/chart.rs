@@ -8,8 +8,7 @@
 //! its own, with n frames and the truth at their own mid-burst. [`super::BurstFramesStudy`] measures a given burst.
 
 use super::methods::{BurstMethod, Searches};
-use super::statistics::Mean;
-use super::{RowStudy, ascending, check_lists, motion_name};
+use super::{RowStudy, ascending, check_lists, motion_name, statistics::Mean};
 use crate::synth::{ChartParams, Truth, synth_chart};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::result::{Curve, Ranking, Scored, judge, mean_curve};
@@ -167,16 +166,11 @@ impl RowStudy for ChartStudy {
             ChartRow { at: *at, methods: self.methods.iter().enumerate().map(method).collect() }
         };
         let last = self.rows().into_iter().next_back().unwrap_or(RowAt::Snr(self.chart.snr));
+        let &Self { first_seed, seeds, ranking, false_fraction, .. } = self;
         ChartReport {
             chart: self.chart_of(last, self.first_seed),
             snr: (!self.frame_counts.is_empty()).then(|| self.snrs[0]),
-            setup: ComparisonSetup {
-                first_seed: self.first_seed,
-                seeds: self.seeds,
-                ranking: self.ranking,
-                false_fraction: self.false_fraction,
-                searches: self.searches.clone(),
-            },
+            setup: ComparisonSetup { first_seed, seeds, ranking, false_fraction, searches: self.searches.clone() },
             rows: rows.iter().map(row).collect(),
         }
     }

@@ -7,9 +7,7 @@
 use super::accuracy::{AccuracyReport, AccuracyRow};
 use super::chart::{ChartReport, ChartRow, MethodReport};
 use super::frames_of_burst::{BurstFramesReport, BurstFramesRow};
-use super::methods::BurstMethod;
-use super::motion_label;
-use super::statistics::Mean;
+use super::{methods::BurstMethod, motion_label, statistics::Mean};
 use burstscope_core::export::sheet::{Anchor, Area, BLUE, Colour, Dashes, FAINT, Face, RED, SOLID, Sheet};
 use burstscope_core::export::{
     CURVE_COLUMNS, Cell, Drawing, Figure, Plot, Series, SeriesPoint, Table, range_from_zero,
@@ -171,14 +169,9 @@ pub fn accuracy_plots(report: &AccuracyReport) -> Vec<StudyPlot> {
         };
         let mut points: Vec<SeriesPoint> = report.rows.iter().map(point).collect();
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
-        StudyPlot {
-            title: title.to_owned(),
-            x_label: SNR,
-            y_label: y_label.to_owned(),
-            marks_points: true,
-            spread: "bars: up to 95 %",
-            curves: vec![StudyCurve::plain("median", GOOD, points)],
-        }
+        let (title, y_label) = (title.to_owned(), y_label.to_owned());
+        let curves = vec![StudyCurve::plain("median", GOOD, points)];
+        StudyPlot { title, x_label: SNR, y_label, marks_points: true, spread: "bars: up to 95 %", curves }
     };
     vec![
         plot("Errors of place", "distance, px", &|row| row.distance),
@@ -330,18 +323,8 @@ fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Dra
             let range_x = (1.03 * ends.clone().fold(0.0, f64::min), 1.03 * ends.fold(1e-6, f64::max));
             // Errors may be hundredths.
             let range_y = range_from_zero(series, 1e-6);
-            sheet.plot(
-                area,
-                &Plot {
-                    title: &plot.title,
-                    label_x: plot.x_label,
-                    label_y: &plot.y_label,
-                    range_x,
-                    range_y,
-                    has_dots: plot.marks_points,
-                    series,
-                },
-            );
+            let (title, label_x, label_y, has_dots) = (&*plot.title, plot.x_label, &*plot.y_label, plot.marks_points);
+            sheet.plot(area, &Plot { title, label_x, label_y, range_x, range_y, has_dots, series });
             let has_dots = series.iter().any(|one| one.dot.is_some());
             let note = if has_dots { "dots: default threshold, mean of the charts" } else { plot.spread };
             sheet.styled_text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, (Face::Plain, FAINT), note);

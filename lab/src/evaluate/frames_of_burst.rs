@@ -10,16 +10,14 @@ use super::ascending;
 use crate::synth::{FeatureTruth, Truth, TruthKind};
 use burstscope_core::burst::{Burst, Offset};
 use burstscope_core::dataset::{DetectedBurst, match_bursts};
-use burstscope_core::detect::detect;
-use burstscope_core::detector::slopes::resolve;
 use burstscope_core::detector::{Detection, DetectorParams, Feature, FrameRange, SearchParams, SlopeGrid};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::result::{Ranking, judge_by_discs};
 use burstscope_core::matching::{MatchCounts, MatchParams};
 use burstscope_core::monitor::{Monitor, Stage};
+use burstscope_core::{detect::detect, detector::slopes::resolve};
 use serde::Serialize;
-use std::f64::consts::SQRT_2;
-use std::ops::Range;
+use std::{f64::consts::SQRT_2, ops::Range};
 
 /// Parameters of the search and matching of the bursts.
 #[derive(Debug, Clone, PartialEq, Default)]

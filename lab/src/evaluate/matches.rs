@@ -23,7 +23,7 @@ use burstscope_core::detect::{Searched, search};
 use burstscope_core::detector::{DetectorParams, SearchParams, SlopeGrid};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::matching::{
-    Camera, Geometry, ImageCounts, Match, MatchCounts, MatchParams, MatchResult, PairSelection, TwoViewModel,
+    Camera, Geometry, ImageCounts, MatchCounts, MatchParams, MatchResult, PairSelection, TwoViewModel,
 };
 use burstscope_core::monitor::{Monitor, Stage};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -199,8 +199,7 @@ impl MatchStudy {
     /// The number of putative matches within the error limit of `judge`, as they were found.
     fn agreeing(&self, result: &MatchResult, [a, b]: [&BurstSide; 2], judge: &TwoViewModel) -> usize {
         let max = f64::from(self.matching.max_error_px);
-        let agrees = |m: &&Match| judge.error_px(a.places[m.a], b.places[m.b]) <= max;
-        result.matches.iter().filter(agrees).count()
+        result.matches.iter().filter(|m| judge.error_px(a.places[m.a], b.places[m.b]) <= max).count()
     }
 }
 

@@ -203,8 +203,7 @@ mod tests {
             done(2);
             Ok(job * job)
         };
-        let results = run_jobs(&jobs, |_| 3, &monitor, square);
-        assert_eq!(results, Ok((0..25).map(|job| job * job).collect()));
+        assert_eq!(run_jobs(&jobs, |_| 3, &monitor, square), Ok((0..25).map(|job| job * job).collect()));
         let largest = heard.lock().expect("not poisoned").iter().copied().fold(0.0, f32::max);
         assert_eq!(largest, 1.0);
     }
@@ -224,7 +223,6 @@ mod tests {
             }
             Ok(monitor.check()?)
         };
-        let cancelled = run_jobs(&jobs, |_| 1, &monitor, cancel);
-        assert!(cancelled.is_err_and(|error| error.is_cancelled()));
+        assert!(run_jobs(&jobs, |_| 1, &monitor, cancel).is_err_and(|error| error.is_cancelled()));
     }
 }

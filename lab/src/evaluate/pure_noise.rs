@@ -275,15 +275,8 @@ impl RowStudy for NoiseStudy {
             level: *level,
             searches: self.searches.iter().enumerate().map(|search| count(*level, found, search)).collect(),
         };
-        NoiseReport {
-            width: self.width,
-            height: self.height,
-            frames: self.frames,
-            first_seed: self.first_seed,
-            bursts,
-            megapixels,
-            rows: rows.iter().map(row).collect(),
-        }
+        let (&Self { width, height, frames, first_seed, .. }, rows) = (self, rows.iter().map(row).collect());
+        NoiseReport { width, height, frames, first_seed, bursts, megapixels, rows }
     }
 }
 
@@ -309,10 +302,7 @@ fn noise_burst(level: NoiseLevel, size: (usize, usize), frames: usize, seed: u64
         let mut stream = Stream::new(seed, t as u64);
         let value = |_, _| {
             let value = level.mean + level.sigma * stream.normal();
-            match level.bits {
-                Some(bits) => f32::from(quantised_word(value, bits)) / 65535.0,
-                None => value as f32,
-            }
+            level.bits.map_or(value as f32, |bits| f32::from(quantised_word(value, bits)) / 65535.0)
         };
         Ok(Plane::from_fn(size.0, size.1, value))
     };

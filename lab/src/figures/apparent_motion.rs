@@ -2,9 +2,7 @@
 //!
 //! Each frame, in good light, is searched by itself: the burst search would assume the uniform motion in question.
 
-use super::Panel;
-use super::record::Pieces;
-use super::{FigureSize, Made, MakeFigure};
+use super::{FigureSize, Made, MakeFigure, Panel, record::Pieces};
 use crate::evaluate::statistics::quantiles;
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
 use burstscope_core::dataset::{DetectedBurst, match_bursts};
@@ -35,15 +33,8 @@ pub(super) struct ApparentMotion {
 
 impl ApparentMotion {
     pub fn new(size: FigureSize) -> Self {
-        let (width, height) = size.pick((480, 360), (240, 180));
-        let way = |motion| TrajectoryParams {
-            width,
-            height,
-            bursts: 4,
-            motion,
-            light: Light::Electrons(8000.0),
-            ..TrajectoryParams::default()
-        };
+        let ((width, height), light) = (size.pick((480, 360), (240, 180)), Light::Electrons(8000.0));
+        let way = |motion| TrajectoryParams { width, height, bursts: 4, motion, light, ..TrajectoryParams::default() };
         Self {
             ways: [way(Motion::TwoD), way(Motion::OneD)],
             burst: 1,
@@ -136,8 +127,7 @@ impl MakeFigure for ApparentMotion {
         let mut end: f64 = 0.0;
         for (column, way) in self.ways.iter().enumerate() {
             monitor.report(Stage::Synth, 0.5 * column as f32);
-            let scene = Trajectory::new(way, &silent)?;
-            let burst = scene.burst(self.burst, &silent)?;
+            let burst = Trajectory::new(way, &silent)?.burst(self.burst, &silent)?;
             monitor.report(Stage::Evaluate, 0.5 * column as f32 + 0.25);
             // √2, because the largest motion may act on both axes at once.
             let tracks = self.tracks(&burst, self.reach * way.max_slope * 2f64.sqrt(), &silent)?;

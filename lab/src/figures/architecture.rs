@@ -1,16 +1,13 @@
 //! Fig. 3: the steps from frames to features, with pictures of the detector's own intermediate results.
 
-use super::Panel;
-use super::record::Pieces;
-use super::{FigureSize, Made, MakeFigure};
-use crate::evaluate::curves::lettered;
-use crate::synth::demo_burst;
+use super::{FigureSize, Made, MakeFigure, Panel, record::Pieces};
+use crate::{evaluate::curves::lettered, synth::demo_burst};
 use burstscope_core::detector::view::{dog_view, stack_view};
 use burstscope_core::detector::{DetectorParams, Feature, Scale, Slope, SlopeGrid};
 use burstscope_core::export::sheet::{Anchor, Area, INK, RED, Sheet, short};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::{Plane, display::Display, sample::bilinear};
-use burstscope_core::{detect::detect, error::Result, export::FigureStroke};
+use burstscope_core::{burst::Burst, detect::detect, error::Result, export::FigureStroke};
 use std::sync::Arc;
 
 const WIDTH: f64 = 1240.0;
@@ -31,13 +28,8 @@ pub(super) struct Architecture {
 
 impl Architecture {
     pub fn new(_: FigureSize) -> Self {
-        let slopes = SlopeGrid::line(-4.0..=4.0, 17);
-        Self {
-            detector: DetectorParams { slopes, ..DetectorParams::default() },
-            shown: [2, 8, 14],
-            octave: 1,
-            levels: [0, 2, 4],
-        }
+        let detector = DetectorParams { slopes: SlopeGrid::line(-4.0..=4.0, 17), ..DetectorParams::default() };
+        Self { detector, shown: [2, 8, 14], octave: 1, levels: [0, 2, 4] }
     }
 }
 
@@ -72,8 +64,7 @@ impl MakeFigure for Architecture {
         sheet.heading((20.0, 30.0), 15.0, title);
         let column = |index: usize| 20.0 + STEP * index as f64;
         let heading = |sheet: &mut Sheet, index: usize, text: &str, below: &str| {
-            let text = lettered(index, text);
-            sheet.heading((column(index), 58.0), 13.0, &text);
+            sheet.heading((column(index), 58.0), 13.0, &lettered(index, text));
             sheet.text((column(index), 74.0), 11.0, Anchor::Start, below);
         };
         let frames = [0, burst.len() / 2, burst.len() - 1];
@@ -144,18 +135,12 @@ impl Architecture {
         for (text, plane, display) in pictures {
             // At this size every other pixel is enough; a mean of them would hide the noise.
             let half = Plane::from_fn(plane.width() / 2, plane.height() / 2, |u, v| plane.at(2 * u, 2 * v));
-            let panel = Panel::draw(sheet, (x, y), SMALL, &half, &display, &text);
-            y = panel.area.bottom() + 20.0;
+            y = Panel::draw(sheet, (x, y), SMALL, &half, &display, &text).area.bottom() + 20.0;
         }
     }
 
     /// D at the position of `feature`, which at mid-burst is the same for all slopes.
-    fn response(
-        &self,
-        burst: &burstscope_core::burst::Burst,
-        feature: &Feature,
-        monitor: &Monitor,
-    ) -> Result<Response> {
+    fn response(&self, burst: &Burst, feature: &Feature, monitor: &Monitor) -> Result<Response> {
         let grid = self.detector.slopes;
         let slopes: Vec<f32> = (0..grid.u.count).map(|index| grid.u.value(index as f32)).collect();
         let levels = self.detector.levels as i32;

@@ -1,8 +1,6 @@
 //! Figs. 4 to 6: a chart with what each method finds on it, and curves over many charts from [`crate::evaluate`].
 
-use super::record::Pieces;
-use super::{FigureSize, Made, MakeFigure};
-use super::{Panel, RIGHT, WRONG};
+use super::{FigureSize, Made, MakeFigure, Panel, RIGHT, WRONG, record::Pieces};
 use crate::evaluate::curves::{frames_figure, lettered, roc_figure};
 use crate::evaluate::statistics::Mean;
 use crate::evaluate::{BurstMethod, ChartReport, ChartStudy, Ranking, RowStudy, Searches, motion_name};

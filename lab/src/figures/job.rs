@@ -3,9 +3,8 @@
 use super::record::{FigureRecord, KeptFigure, Pieces, begin, check_folder, read_record};
 use super::{FigureSize, Made, PaperFigure};
 use burstscope_core::export::{Escaped, MadeFrom, OutputRules, Record, Records, write_text, write_whole};
-use burstscope_core::files::lock::FolderLock;
 use burstscope_core::files::mark::{Checksum, OutputKind, sealed};
-use burstscope_core::{error::Result, monitor::Monitor};
+use burstscope_core::{error::Result, files::lock::FolderLock, monitor::Monitor};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::{io::Write, time::Instant};
@@ -101,8 +100,7 @@ impl FiguresJob {
             figures.push(report);
         }
         lock.check()?;
-        let page = write_page(&self.out, self.size)?;
-        Ok(FiguresReport { page, size: self.size, figures })
+        Ok(FiguresReport { page: write_page(&self.out, self.size)?, size: self.size, figures })
     }
 
     /// One figure: the finished one if it is up to date, otherwise made and written.

@@ -1,19 +1,14 @@
 //! Fig. 1: two neighbouring bursts of a dark scene, matched by SIFT on one frame and by burst features.
 
-use super::record::Pieces;
-use super::{FigureSize, Made, MakeFigure};
-use super::{Panel, RIGHT, WRONG};
+use super::{FigureSize, Made, MakeFigure, Panel, RIGHT, WRONG, record::Pieces};
 use crate::evaluate::curves::lettered;
-use burstscope_core::burst::Burst;
 use burstscope_core::dataset::{DetectedBurst, match_bursts};
-use burstscope_core::detect::detect;
 use burstscope_core::detector::{Detection, DetectorParams, Method, SlopeGrid};
-use burstscope_core::error::Result;
-use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Anchor, Sheet};
 use burstscope_core::matching::MatchParams;
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::{Plane, display::Display};
+use burstscope_core::{burst::Burst, detect::detect, error::Result, export::FigureStroke};
 
 use crate::synth::trajectory::world::nearest_point;
 use crate::synth::{Light, Trajectory, TrajectoryParams};
@@ -35,13 +30,8 @@ pub(super) struct MatchingInTheDark {
 impl MatchingInTheDark {
     pub fn new(size: FigureSize) -> Self {
         let (width, height) = size.pick((480, 360), (240, 180));
-        let way = TrajectoryParams {
-            width,
-            height,
-            bursts: 8,
-            light: Light::Snr(size.pick(0.35, 0.6)),
-            ..TrajectoryParams::default()
-        };
+        let light = Light::Snr(size.pick(0.35, 0.6));
+        let way = TrajectoryParams { width, height, bursts: 8, light, ..TrajectoryParams::default() };
         // As the paper matches.
         let matching = MatchParams { predict: false, align: false, ..MatchParams::default() };
         Self { way, bursts: [3, 4], slopes: SlopeGrid::line(-3.0..=3.0, 13), matching }

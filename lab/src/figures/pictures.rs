@@ -1,8 +1,6 @@
 //! Figs. 7 and 9: a view in good light, without noise and in the dark; aliasing and low contrast on two examples.
 
-use super::record::Pieces;
-use super::{FigureSize, Made, MakeFigure};
-use super::{Panel, RIGHT, WRONG};
+use super::{FigureSize, Made, MakeFigure, Panel, RIGHT, WRONG, record::Pieces};
 use crate::evaluate::curves::lettered;
 use crate::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD, disc_place};
 use crate::synth::{Example, FrameLevels, Trajectory, TrajectoryParams};
@@ -160,8 +158,7 @@ impl MakeFigure for Light {
                 y = end + 60.0;
             }
             let at = (GAP + (HALF + GAP) * (index % 2) as f64, y);
-            let panel = Panel::draw(&mut sheet, at, HALF, plane, &display, &lettered(index, title));
-            end = panel.area.bottom();
+            end = Panel::draw(&mut sheet, at, HALF, plane, &display, &lettered(index, title)).area.bottom();
             let range = summary(plane, &Region::whole(plane)).range();
             let mut levels = FrameLevels::default();
             levels.add(&Burst::from_planes(word, vec![plane.clone()]), &silent)?;

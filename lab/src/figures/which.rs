@@ -1,12 +1,10 @@
 //! The figures and tables of the paper, by name.
 
-use super::MakeFigure;
-use super::apparent_motion::ApparentMotion;
-use super::architecture::Architecture;
 use super::charts::{FramesFigure, RocFigure, TestTarget};
 use super::matching::MatchingInTheDark;
 use super::pictures::{Failures, Light};
 use super::reconstruction::{ReconstructionFigure, Shown};
+use super::{MakeFigure, apparent_motion::ApparentMotion, architecture::Architecture};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -1,7 +1,6 @@
 //! A burst before anything is planted: its own search, its noise and brightness by place, and the free places.
 
-use super::thing::LightNoise;
-use super::{Planted, RecoverStudy};
+use super::{Planted, RecoverStudy, thing::LightNoise};
 use crate::synth::random::Stream;
 use burstscope_core::burst::{Burst, Offset};
 use burstscope_core::detector::noise_model::{ForSearch, NoiseModel, examine};
@@ -49,8 +48,7 @@ impl Ground {
         let params = SearchParams::from(cache.made_with());
         let used = params.used_frames(burst.len());
         let noise = Self::noise(&cache, burst, monitor)?;
-        let middle = &burst.frames[used.start + used.len() / 2];
-        let brightness = smoothed(middle, BRIGHTNESS_SIGMA_PX, monitor)?;
+        let brightness = smoothed(&burst.frames[used.start + used.len() / 2], BRIGHTNESS_SIGMA_PX, monitor)?;
         let sigma = noise.sigma_map(burst.size(), CELL_PX);
         if noise.frame_noise <= 0.0 {
             let remedy = "take frames of a camera, or add noise with 'burstscope synth noisy'";
@@ -74,13 +72,8 @@ impl Ground {
         let params = cache.params();
         let slopes: Vec<Slope> = params.used_slopes().slopes().collect();
         let space = ScaleSpace::of(params);
-        let search = ForSearch {
-            space: &space,
-            octaves: searched_octaves(params, burst.size()),
-            slopes: &slopes,
-            flicker: params.flicker,
-            positions: &burst.positions,
-        };
+        let (octaves, flicker) = (searched_octaves(params, burst.size()), params.flicker);
+        let search = ForSearch { space: &space, octaves, slopes: &slopes, flicker, positions: &burst.positions };
         let examined = examine(&burst.frames, burst.quantisation_step, &search, monitor)?;
         Ok(examined.map_or_else(|| (**of_search).clone(), |examined| examined.model))
     }

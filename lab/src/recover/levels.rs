@@ -1,8 +1,6 @@
 //! The SNRs, slopes and radii at which things are planted.
 
-use super::expected::expected;
-use super::ground::Ground;
-use super::{RecoverStudy, Varied, bounds};
+use super::{RecoverStudy, Varied, bounds, expected::expected, ground::Ground};
 use crate::synth::random::Stream;
 use burstscope_core::detector::{Slope, SlopeAxis, SlopeGrid};
 use burstscope_core::error::{Error, Result};
@@ -94,17 +92,9 @@ impl Levels {
             None => slopes_around(along(&grid), ground.used.len()),
         };
         let room = (width as f64 * height as f64 / AREA_PX) as usize;
-        Ok(Self {
-            snrs,
-            slopes,
-            radii,
-            at_snr: study.at_snr.unwrap_or_else(|| tidy(CLEAR * expected_half)),
-            at_radius: study.at_radius,
-            per_copy: study.per_copy.unwrap_or_else(|| room.clamp(9, 90)),
-            expected_half,
-            expected_amplitude,
-            grid,
-        })
+        let (at_snr, at_radius) = (study.at_snr.unwrap_or_else(|| tidy(CLEAR * expected_half)), study.at_radius);
+        let per_copy = study.per_copy.unwrap_or_else(|| room.clamp(9, 90));
+        Ok(Self { snrs, slopes, radii, at_snr, at_radius, per_copy, expected_half, expected_amplitude, grid })
     }
 
     /// Number of levels of a quantity.
@@ -223,8 +213,7 @@ mod tests {
 
     #[test]
     fn levels_are_turned_with_the_grid() {
-        let grid = SlopeGrid::line_along(90.0, -2.0..=2.0, 5);
-        let slope = turned(&grid, 1.5, 0.0);
+        let slope = turned(&SlopeGrid::line_along(90.0, -2.0..=2.0, 5), 1.5, 0.0);
         assert!(slope.u.abs() < 1e-5 && (slope.v - 1.5).abs() < 1e-5, "{slope:?}");
     }
 }

@@ -27,8 +27,7 @@ use burstscope_core::inspect::result::{Ranking, judge_by_discs, miss};
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::{Plane, sample::bilinear};
 #[cfg(feature = "cli")]
-use burstscope_core::synth::options::words;
-use burstscope_core::{burst::Burst, inspect::ProbeCache};
+use burstscope_core::{burst::Burst, inspect::ProbeCache, synth::options::words};
 use expected::expected;
 use ground::Ground;
 use rayon::prelude::*;
@@ -328,13 +327,7 @@ impl RecoverStudy {
         Ok((planted, RecoverTimes { plant_secs, search_secs, fate_secs }))
     }
 
-    fn things(
-        &self,
-        ground: &Ground,
-        levels: &Levels,
-        copy: u64,
-        monitor: &Monitor,
-    ) -> Result<Vec<Planted>, Cancelled> {
+    fn things(&self, ground: &Ground, levels: &Levels, copy: u64, monitor: &Monitor) -> Result<Vec<Planted>> {
         let seed = self.first_seed.wrapping_add(copy);
         let mut stream = Stream::new(seed, 0);
         let mut planted: Vec<Planted> = Vec::with_capacity(levels.per_copy);
@@ -354,8 +347,7 @@ impl RecoverStudy {
             let Some((u, v)) = ground.place(self, (radius, slope), &planted, &mut stream, monitor)? else { continue };
             let truth = truth_of_thing(planted.len(), (u, v), radius, slope, sign);
             let amplitude = ground.light.amplitude(snr, ground.sigma_at(u, v).powi(2), f64::from(sign));
-            let trail = &ground.cache.trail;
-            let expected = expected(trail, self.shape, radius, (u, v), slope);
+            let expected = expected(&ground.cache.trail, self.shape, radius, (u, v), slope);
             planted.push(Planted {
                 seed,
                 varied,
@@ -373,28 +365,17 @@ impl RecoverStudy {
         Ok(planted)
     }
 
-    fn plant(
-        &self,
-        burst: &Burst,
-        ground: &Ground,
-        planted: &[Planted],
-        seed: u64,
-        monitor: &Monitor,
-    ) -> Result<Burst, Cancelled> {
+    fn plant(&self, burst: &Burst, ground: &Ground, things: &[Planted], seed: u64, monitor: &Monitor) -> Result<Burst> {
         let paint = |t: usize| -> Result<Arc<Plane>, Cancelled> {
             monitor.check()?;
             let mut frame = (*burst.frames[ground.used.start + t]).clone();
             // Every frame has its own stream; stream 0 drew the places.
             let mut stream = Stream::new(seed, 1 + t as u64);
-            for one in planted {
+            for one in things {
                 let (u, v) = one.truth.position(ground.offset(t));
-                let painting = Painting {
-                    shape: self.shape,
-                    radius: one.truth.radius,
-                    centre: (u, v),
-                    amplitude: one.amplitude * ground.gains[t],
-                    background: bilinear(&ground.brightness, u as f32, v as f32).map_or(0.0, f64::from),
-                };
+                let (shape, radius, amplitude) = (self.shape, one.truth.radius, one.amplitude * ground.gains[t]);
+                let background = bilinear(&ground.brightness, u as f32, v as f32).map_or(0.0, f64::from);
+                let painting = Painting { shape, radius, centre: (u, v), amplitude, background };
                 painting.paint(&mut frame, &ground.light, &mut stream, monitor)?;
             }
             Ok(Arc::new(frame))

@@ -35,14 +35,8 @@ pub fn recover_plots(report: &RecoverReport) -> Vec<StudyPlot> {
         if varied == Varied::Snr && report.half.is_some() {
             curves.push(fitted_curve(report));
         }
-        StudyPlot {
-            title: title.to_owned(),
-            x_label,
-            y_label: "found, %".to_owned(),
-            marks_points: true,
-            spread: "bars: 68 %",
-            curves,
-        }
+        let (title, y_label) = (title.to_owned(), "found, %".to_owned());
+        StudyPlot { title, x_label, y_label, marks_points: true, spread: "bars: 68 %", curves }
     };
     Varied::ALL.into_iter().map(plot).filter(|plot| !plot.curves[0].line.points.is_empty()).collect()
 }

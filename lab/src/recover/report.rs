@@ -1,8 +1,7 @@
 //! The report of planted things: shares found, the SNR of which half are, the tests failed, and faintness by place.
 
 use super::fit::{FittedCurve, Outcome, Prior, fitted, share_interval};
-use super::ground::Ground;
-use super::{Contrast, Levels, Planted, RecoverStudy, RecoverTimes, Shape, Varied};
+use super::{Contrast, Levels, Planted, RecoverStudy, RecoverTimes, Shape, Varied, ground::Ground};
 use burstscope_core::detector::{DetectorParams, Slope, SlopeGrid, Test};
 use burstscope_core::export::{Cell, PLANTED_COLUMNS, Table};
 use burstscope_core::inspect::words::{counted, number};

@@ -10,10 +10,9 @@
 
 use super::write::{io, write_folder, write_frame, write_json};
 use burstscope_core::error::{Error, Result};
-use burstscope_core::files::mark::OutputKind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::synth::{check_camera, check_snr, noise::Camera, random::Stream, truth::NoiseTruth};
-use burstscope_core::{burst::Burst, plane::Plane};
+use burstscope_core::{burst::Burst, files::mark::OutputKind, plane::Plane};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};

@@ -26,17 +26,19 @@ use std::{io::Cursor, path::Path};
 /// The folder is a link, holds other files or cannot be written; it is then unchanged.
 pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<()> {
     write_folder(dir, OutputKind::Burst, |fresh| {
+        let grid = burst.positions.rows_and_columns();
         for (t, frame) in burst.frames.iter().enumerate() {
             monitor.check()?;
-            write_frame(&fresh.join(view_name(burst, t)), frame)?;
+            // A view has its row and column in its name, as LFToolbox names views.
+            let view = grid.map(|(_, columns)| format!("view_{:02}_{:02}.png", t / columns, t % columns));
+            write_frame(&fresh.join(view.unwrap_or_else(|| frame_name(t))), frame)?;
             monitor.report(Stage::Write, (t + 1) as f32 / burst.len() as f32);
         }
         // Evenly spaced frames need no table of times: their order says it all.
         if !burst.positions.is_even() && !burst.positions.are_views() {
             let rows = burst.positions.since_first().into_iter().enumerate();
             let rows: String = rows.map(|(t, position)| format!("{},{position}\n", frame_name(t))).collect();
-            let path = fresh.join("times.csv");
-            std::fs::write(&path, format!("name,frames\n{rows}")).map_err(io(&path))?;
+            write_file(&fresh.join("times.csv"), format!("name,frames\n{rows}"))?;
         }
         if let Some(mask) = truth.mask() {
             std::fs::create_dir(fresh.join("masks")).map_err(io(fresh))?;
@@ -47,9 +49,13 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
     })
 }
 
+pub(super) fn write_file(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
+    std::fs::write(path, content).map_err(io(path))
+}
+
 pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(value).map_err(std::io::Error::other).map_err(io(path))?;
-    std::fs::write(path, text + "\n").map_err(io(path))
+    write_file(path, text + "\n")
 }
 
 pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<()> {
@@ -60,15 +66,7 @@ pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<()> {
     // Through memory: a buffered file that the encoder closes would silently lose its last bytes on a full disk.
     let mut png = Cursor::new(Vec::new());
     picture.write_to(&mut png, ImageFormat::Png).map_err(|e| std::io::Error::other(e.to_string())).map_err(io(path))?;
-    std::fs::write(path, png.into_inner()).map_err(io(path))
-}
-
-/// The file name of frame `t` of `burst`: of a view its row and column, as LFToolbox names views.
-fn view_name(burst: &Burst, t: usize) -> String {
-    burst
-        .positions
-        .rows_and_columns()
-        .map_or_else(|| frame_name(t), |(_, columns)| format!("view_{:02}_{:02}.png", t / columns, t % columns))
+    write_file(path, png.into_inner())
 }
 
 /// The file name of frame `t`.

@@ -10,9 +10,8 @@ mod align;
 mod temporal;
 mod tiles;
 
-use crate::detector::noise::frame_noise;
 use crate::monitor::{Cancelled, Monitor, Stage};
-use crate::{burst::Burst, plane::Plane};
+use crate::{burst::Burst, detector::noise::frame_noise, plane::Plane};
 use std::ops::Range;
 
 /// Minimum noise assumed of a frame, fraction of full scale: the quantisation noise of 16 bits.

@@ -280,8 +280,7 @@ type PpmHeader = [u64; 3];
 fn ppm_header(path: &Path, reader: &mut dyn BufRead) -> Result<PpmHeader> {
     let mut text = String::new();
     for _ in 0..3 {
-        let read = reader.take(64).read_line(&mut text);
-        read.map_err(|e| Error::from_read(path, KIND, &e))?;
+        reader.take(64).read_line(&mut text).map_err(|e| Error::from_read(path, KIND, &e))?;
     }
     let numbers = text.strip_prefix("P6").map(|rest| rest.split_whitespace().filter_map(|word| word.parse().ok()));
     numbers.and_then(|numbers| numbers.collect::<Vec<_>>().try_into().ok()).ok_or_else(|| {

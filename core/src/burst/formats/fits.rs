@@ -123,10 +123,7 @@ impl Unit {
     }
 
     fn text(&self, name: &str) -> Option<&str> {
-        match self.value(name) {
-            Some(Value::String(text)) => Some(text),
-            _ => None,
-        }
+        if let Some(Value::String(text)) = self.value(name) { Some(text) } else { None }
     }
 
     fn whole(&self, path: &Path, name: &str) -> Result<Option<i64>> {
@@ -271,9 +268,8 @@ impl Unit {
     }
 
     fn mosaic(&self) -> Option<Mosaic> {
-        let pattern = self.text("BAYERPAT").or_else(|| self.text("COLORTYP"))?.trim().to_uppercase();
-        let named = [("RGGB", Mosaic::Rggb), ("GRBG", Mosaic::Grbg), ("GBRG", Mosaic::Gbrg), ("BGGR", Mosaic::Bggr)];
-        let mut mosaic = named.into_iter().find(|(name, _)| *name == pattern)?.1;
+        let pattern = self.text("BAYERPAT").or_else(|| self.text("COLORTYP"))?.trim();
+        let mut mosaic = Mosaic::ALL.into_iter().find(|mosaic| pattern.eq_ignore_ascii_case(&format!("{mosaic:?}")))?;
         let offset = |name: &str| match self.value(name) {
             Some(Value::Integer(number)) => number.rem_euclid(2) == 1,
             Some(Value::Float(number)) => (*number as i64).rem_euclid(2) == 1,

@@ -25,9 +25,8 @@ pub(crate) use film::{Ran, ffmpeg, file_url, ran};
 
 use super::options::{Limits, OpenOptions};
 use super::reading::confined::{self, wire::Part};
-use super::reading::pixels::with_mosaic;
-use super::reading::plain::Plain;
 use super::reading::{Declared, RawFrame, Reading, Ticker};
+use super::reading::{pixels::with_mosaic, plain::Plain};
 use super::times::Times;
 use crate::error::{Error, ErrorKind, Result, one_line};
 use crate::files::{self, shell_path};
@@ -388,8 +387,7 @@ pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
 }
 
 fn finished(reading: Reading<'_>, name: &'static str, frame: RawFrame) -> Result<RawFrame> {
-    let frame = RawFrame { misnamed: misnamed(reading.path, name), ..frame };
-    with_mosaic(reading.path, frame, reading.options)
+    with_mosaic(reading.path, RawFrame { misnamed: misnamed(reading.path, name), ..frame }, reading.options)
 }
 
 fn alone(reading: Reading<'_>, frame: RawFrame) -> Result<Vec<RawFrame>> {

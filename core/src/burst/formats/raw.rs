@@ -5,8 +5,7 @@
 //! file's unless given; black may differ by colour, column and row (DNG's `BlackLevelDeltaH` and `BlackLevelDeltaV`).
 
 use super::tiff::directories::{Directories, OF_SENSORS, begins as is_tiff};
-use super::tiff::is_of_sensor;
-use super::{Format, Input, Rank, Record, Start, has_extension};
+use super::{Format, Input, Rank, Record, Start, has_extension, tiff::is_of_sensor};
 use crate::burst::reading::confined::{self, Budget, wire::Part};
 use crate::burst::reading::pixels::{Curve, binned, grey_from_interleaved, turned};
 use crate::burst::reading::{Declared, FileScale, RawFrame, Reading, exif, read_at};
@@ -174,8 +173,7 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, options: &OpenOptio
             ));
         }
         let plane = binned((area.d.w, area.d.h), colour, colour_at, |u, v| at(u, v, 0));
-        let plane = plane.ok_or("its active area is smaller than a square of the mosaic")?;
-        return Ok((plane, 2));
+        return Ok((plane.ok_or("its active area is smaller than a square of the mosaic")?, 2));
     }
     let plane = match raw.cpp {
         1 => Plane::from_fn(area.d.w, area.d.h, |u, v| at(u, v, 0)),

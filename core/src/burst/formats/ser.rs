@@ -44,10 +44,7 @@ impl Numbers for Ser {
         }
         let (channels, mosaic) = match colour {
             0 => (1, None),
-            8 => (1, Some(Mosaic::Rggb)),
-            9 => (1, Some(Mosaic::Grbg)),
-            10 => (1, Some(Mosaic::Gbrg)),
-            11 => (1, Some(Mosaic::Bggr)),
+            8..=11 => (1, Some(Mosaic::ALL[colour as usize - 8])),
             100 | 101 => (3, None),
             16..=19 => {
                 let reason = "its mosaic is of cyan, yellow, green and magenta; save it as RGB";

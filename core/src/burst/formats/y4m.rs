@@ -12,6 +12,7 @@ use std::path::Path;
 
 pub(super) const KIND: &str = "Y4M";
 const MAX_LINE_BYTES: u64 = 1 << 12;
+const MAX_SIDE: u64 = 1 << 20;
 const FRAME: &[u8] = b"FRAME";
 
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +57,10 @@ impl Film {
             return Err(Error::unsupported(path, KIND, reason));
         }
         let (width, height) = (u64::from(width), u64::from(height));
-        check_sides(path, width, height)?;
+        // Bytes are counted without overflow; whether sides are within the limits is checked with the frames.
+        if width.max(height) > MAX_SIDE {
+            return Err(corrupt(format!("its line announces {width}×{height} pixels")));
+        }
         let bytes = u64::from(bits.div_ceil(8));
         // Planes of colour of an odd side are rounded up.
         let halved = |side: u64, by: u64| side.div_ceil(by);
@@ -106,15 +110,6 @@ impl Film {
     }
 }
 
-/// Sides that do not overflow when bytes are counted; whether they are within the limits is checked with the frames.
-fn check_sides(path: &Path, width: u64, height: u64) -> Result<()> {
-    const MAX_SIDE: u64 = 1 << 20;
-    if width.max(height) > MAX_SIDE {
-        return Err(Error::corrupt(path, KIND, format!("its line announces {width}×{height} pixels")));
-    }
-    Ok(())
-}
-
 /// Pixels of a pixel of colour (across, down), `None` for a film without; and bits of a sample.
 fn planes_of(colours: &str) -> Option<(Option<(u64, u64)>, u32)> {
     let bits = |text: &str| text.parse::<u32>().ok().filter(|bits| (9..=16).contains(bits));
@@ -139,10 +134,8 @@ fn planes_of(colours: &str) -> Option<(Option<(u64, u64)>, u32)> {
 fn line(path: &Path, reader: &mut impl BufRead) -> Result<Vec<u8>> {
     let mut line = Vec::new();
     reader.take(MAX_LINE_BYTES).read_until(b'\n', &mut line).map_err(|e| Error::from_read(path, KIND, &e))?;
-    match line.pop() {
-        Some(b'\n') => Ok(line),
-        _ => Err(Error::corrupt(path, KIND, "a line of text in it does not end")),
-    }
+    let is_whole = line.pop() == Some(b'\n');
+    if is_whole { Ok(line) } else { Err(Error::corrupt(path, KIND, "a line of text in it does not end")) }
 }
 
 pub(super) struct Y4m;

@@ -1,11 +1,10 @@
 //! Frames that lie in a file as plain numbers, at known places, as in `.npy`, `.npz`, FITS, SER, Y4M and files without
 //! header. Each is read in blocks, several at a time. No memory is taken for frames that a file only announces.
 
-use super::confined::wire::Part;
 use super::confined::{self, Budget};
 use super::pixels::{Curve, grey_from_interleaved, grey_from_planes};
 use super::tiles::Tiles;
-use super::{Declared, FileScale, RawFrame, Reading, Ticker, frame_of_plane, in_order};
+use super::{Declared, FileScale, RawFrame, Reading, Ticker, confined::wire::Part, frame_of_plane, in_order};
 use crate::burst::layout::{Mosaic, ViewGrid};
 use crate::burst::number::{Number, Scaling};
 use crate::burst::options::{Encoding, Limits, OpenOptions};

@@ -5,9 +5,8 @@
 //! read and checked, of one layer of frames: it finds no number of the file that could lead it astray.
 
 use super::Reading;
-use crate::burst::options::Limits;
 use crate::error::{Error, ErrorKind, Result};
-use crate::plane::memory;
+use crate::{burst::options::Limits, plane::memory};
 use fitsio_pure::bintable::{BinaryColumnType, parse_binary_table_columns};
 use fitsio_pure::hdu::{Hdu, HduInfo};
 use fitsio_pure::{header::Card, image::serialize_image, tiled::read_tiled_image, value::Value};
@@ -86,10 +85,7 @@ fn find<'a>(cards: &'a [Card], name: &str) -> Option<&'a Value> {
 }
 
 fn whole(cards: &[Card], name: &str) -> Option<i64> {
-    match find(cards, name) {
-        Some(Value::Integer(number)) => Some(*number),
-        _ => None,
-    }
+    if let Some(Value::Integer(number)) = find(cards, name) { Some(*number) } else { None }
 }
 
 fn card(name: &str, value: Value) -> Card {

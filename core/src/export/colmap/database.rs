@@ -4,12 +4,9 @@
 //! bytes in UBC order, matches as pairs of `u32`, matrices as nine `f64` by rows. Each camera gets a rig and each image
 //! a frame of its own, as COLMAP does for cameras that are not mounted together.
 
-use super::FIRST_PIXEL;
-use super::text::ColmapKeypoint;
-use crate::detector::Descriptor;
+use super::{FIRST_PIXEL, text::ColmapKeypoint};
 use crate::error::{Error, Result};
-use crate::export::atomic::replace;
-use crate::files::mark::DATABASE_ID;
+use crate::{detector::Descriptor, export::atomic::replace, files::mark::DATABASE_ID};
 use nalgebra::{Isometry3, Matrix3};
 use rusqlite::{Connection, OptionalExtension, Params, params};
 use std::{fs::File, io, path::Path};

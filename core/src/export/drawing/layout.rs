@@ -235,8 +235,7 @@ impl Style {
         let [from, tip] = ends.map(|at| self.place(panel, rect, at));
         let middle = [0, 1].map(|i| 0.5 * (from[i] + tip[i]));
         if let Some(points) = fan(middle, tip, mark.motion_sigma * self.scale) {
-            let opacity = FAN_OPACITY * mark.opacity.clamp(0.0, 1.0);
-            out.push(area(points, mark.color, opacity));
+            out.push(area(points, mark.color, FAN_OPACITY * mark.opacity.clamp(0.0, 1.0)));
         }
     }
 
@@ -373,8 +372,7 @@ fn wheel(centre: [f32; 2], radius: f32) -> Vec<FigureShape> {
             [centre[0] + fraction * radius * cos, centre[1] + fraction * radius * sin]
         };
         let points = vec![centre, at(f32::from(sector) - 0.5), at(f32::from(sector)), at(f32::from(sector) + 1.0)];
-        let color = direction_colour(angle(f32::from(sector)), fraction);
-        area(points, color, 1.0)
+        area(points, direction_colour(angle(f32::from(sector)), fraction), 1.0)
     };
     (1..=RINGS).rev().flat_map(|ring| (0..SECTORS).map(move |sector| sector_of(ring, sector))).collect()
 }

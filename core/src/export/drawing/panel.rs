@@ -6,8 +6,7 @@
 
 use super::shape::{Colour, FigureUnit};
 use crate::burst::{Offset, Positions};
-use crate::detector::Feature;
-use crate::plane::display::Display;
+use crate::{detector::Feature, plane::display::Display};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 

@@ -1,10 +1,6 @@
 //! Files of drawings and their numbers: the one list of endings, and what each means.
 
-use super::pdf::pdf;
-use super::raster::rasterise;
-use super::shape::Drawing;
-use super::svg::write_svg;
-use super::table::Table;
+use super::{pdf::pdf, raster::rasterise, shape::Drawing, svg::write_svg, table::Table};
 use crate::error::{Error, ErrorKind, Result};
 use crate::export::atomic::{write_marked, write_text, write_whole};
 use crate::export::png::{Bitmap, write_png};

@@ -3,13 +3,12 @@
 
 use super::fate::{Fate, OnEdge, Outcome, Rival, TestReport, apart_sigmas};
 use super::shares::{direction_of, directions};
-use crate::detector::feature::Keypoint;
 use crate::detector::pipeline::{FIRST_PEAK_PART, compared_slopes};
 use crate::detector::refine::{Limits, MAX_OFFSET};
-use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::extrema::scale_ease;
 use crate::detector::search::{MIN_SEEN, ascends, first_gate_part};
 use crate::detector::{Distinct, Judgement, Neighbourhood, Sample, Slope, SlopeExtrema, SlopeNeighbours, Test, Trail};
+use crate::detector::{feature::Keypoint, scale_space::octave_pixel};
 
 /// The fate of a judged sample; `around` holds it.
 pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &Judgement) -> Fate {

@@ -4,10 +4,9 @@
 //! tally counts all samples.
 
 use super::candidate_tests::{CandidateTests, keypoint_of, over};
-use crate::detector::scale_space::octave_pixel;
-use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
 use crate::detector::{Judgement, Neighbourhood, Sample, Scale, Tally, Test, Trail};
+use crate::detector::{scale_space::octave_pixel, search::ascends};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, cuts};
@@ -131,8 +130,7 @@ pub(super) fn open_candidates(trail: &Trail, around: &Neighbourhood) -> Vec<Samp
     let mut found: Vec<Candidate> = Vec::new();
     for (slope_index, dog) in around.tiles.iter().enumerate() {
         own_slope_extrema(&dog.levels, &around.region, around.size, &open, &mut Tally::default(), &mut found);
-        let of_slope = found.drain(..);
-        samples.extend(of_slope.map(|Candidate { x, y, level_index, .. }| {
+        samples.extend(found.drain(..).map(|Candidate { x, y, level_index, .. }| {
             let level = level_index as i32 - 1;
             Sample { octave, level, slope_index, x, y }
         }));

@@ -1,9 +1,8 @@
 //! The fate of one candidate: every test of the search with its value, its limit and its rival, in the order of the
 //! search. The first test that it fails is the search's own verdict; the later ones decide what to change next.
 
-use crate::detector::feature::Keypoint;
-use crate::detector::test::Side;
 use crate::detector::{ParamChange, Sample, Slope, Test};
+use crate::detector::{feature::Keypoint, test::Side};
 use crate::inspect::words::{filled, number, slope_text, snr_text, value_text};
 use serde::Serialize;
 
@@ -104,8 +103,7 @@ impl TestReport {
     /// `sentence`, or the one for a candidate without a finite value.
     pub(super) fn unless_boundless(&self, sentence: &'static str) -> &'static str {
         let boundless = self.test.record().boundless;
-        let is_finite = self.value.is_some_and(f64::is_finite);
-        if is_finite || boundless.is_empty() { sentence } else { boundless }
+        if self.value.is_some_and(f64::is_finite) || boundless.is_empty() { sentence } else { boundless }
     }
 
     /// The text in place of a word in braces in the sentences of [`crate::detector::test::TestRecord`].

@@ -2,18 +2,14 @@
 //! found at another slope, and a setting that would only keep a ghost. They come from the extrema of D in space at each
 //! slope, candidates or not.
 
-use super::fate::Fate;
 use super::order::{AT_PLACE_PX, LARGE_PX, Nearness, is_like_scale, is_same_motion};
-use super::remedy::time_factor;
-use super::response::covering;
+use super::{fate::Fate, remedy::time_factor, response::covering};
 use crate::burst::Burst;
 use crate::detector::coherence::{Shape, evenness_of};
-use crate::detector::noise::gate_factor;
-use crate::detector::params::doc;
-use crate::detector::pipeline::search;
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::test::LOWEST_GATE;
 use crate::detector::{DetectorParams, Feature, Neighbourhood, NoiseGate, ParamChange, Sample, Scale, Slope, Trail};
+use crate::detector::{noise::gate_factor, params::doc, pipeline::search};
 use crate::inspect::words::{number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::tile::Region;
@@ -226,13 +222,8 @@ fn kept_there(
         slope.displacement((positions.offset(*first) - burst.positions.offset(0)).to_f32())
     });
     let place = [u - early.0 - near.columns.start as f32, v - early.1 - near.rows.start as f32];
-    let params = DetectorParams {
-        frames: None,
-        octaves: 1,
-        max_features: 0,
-        noise_gate: NoiseGate::Factor(gate_factor(params)),
-        ..params.clone()
-    };
+    let noise_gate = NoiseGate::Factor(gate_factor(params));
+    let params = DetectorParams { frames: None, octaves: 1, max_features: 0, noise_gate, ..params.clone() };
     let Ok(found) = search(&burst, &params, monitor) else { return monitor.check().map(|()| None) };
     let smallest = trail.space().sigma_image(trail.space().first_octave, 0.0) as f32;
     let is_it = |feature: &&Feature| {

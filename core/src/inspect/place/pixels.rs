@@ -4,8 +4,7 @@
 //! Slopes that differ by the period p in px/frame show a texture alike: from frame to frame it moves by one more whole
 //! period, which cannot be seen. Between them lie the side lobes of the mean over N frames.
 
-use crate::plane::Plane;
-use crate::plane::sample::bilinear;
+use crate::plane::{Plane, sample::bilinear};
 use serde::Serialize;
 
 /// Period of a texture.

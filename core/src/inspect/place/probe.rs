@@ -1,18 +1,14 @@
 //! The probe: all explanations of one place of a burst, with the fates of the candidates near it.
 
-use super::candidate_tests::fate;
-use super::candidates::open_candidates;
-use super::fate::Fate;
 use super::hidden_cause::{self, Cause, CauseKind, Clear, Peak, at_slope, clearest};
 use super::needed::{Needed, needed};
 use super::order::{AT_PLACE_PX, LARGE_PX, Nearness, PlaceMotion, is_like_scale, is_same_motion, strength};
-use super::remedy::duplicate_remedy;
 use super::response::{ResponseMap, response_map};
 use super::shares::{Shares, Slice, across, direction_of, shares, slice};
 use super::suspicion::{Judged, Suspicion, suspicions};
-use crate::detector::scale_space::octave_pixel;
-use crate::detector::test::NOT_SEARCHED;
+use super::{candidate_tests::fate, candidates::open_candidates, fate::Fate, remedy::duplicate_remedy};
 use crate::detector::{Sample, Scale, Slope, Test, Trail};
+use crate::detector::{scale_space::octave_pixel, test::NOT_SEARCHED};
 use crate::error::{Error, Result};
 use crate::inspect::ProbeCache;
 use crate::inspect::words::{counted, number, slope_text};
@@ -419,8 +415,7 @@ pub fn fate_of(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<Opti
     let judgement = trail.judge(&around, std::slice::from_ref(sample))[0];
     Ok(judgement.map(|judgement| {
         let fate = fate(trail, &around, sample, &judgement);
-        let remedy = duplicate_remedy(trail, &fate).or_else(|| fate.remedy.clone());
-        Fate { remedy, ..fate }
+        Fate { remedy: duplicate_remedy(trail, &fate).or_else(|| fate.remedy.clone()), ..fate }
     }))
 }
 

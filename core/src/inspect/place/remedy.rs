@@ -6,19 +6,17 @@
 
 use super::fate::{Fate, OnEdge, Remedy, Rival, apart_sigmas};
 use crate::burst::Burst;
-use crate::detector::advice::grouped;
 use crate::detector::params::{Word, doc};
-use crate::detector::pipeline::FIRST_PEAK_PART;
 use crate::detector::scale_space::{octave_size, searched_octaves};
 use crate::detector::test::Side;
 use crate::detector::{
     DetectorParams, Distinct, Judgement, NoiseGate, ParamChange, Sample, SearchParams, Slope, SlopeExtrema, SlopeGrid,
     Test, Trail,
 };
-use crate::error::Result;
-use crate::inspect::ProbeCache;
+use crate::detector::{advice::grouped, pipeline::FIRST_PEAK_PART};
 use crate::inspect::words::{counted, filled, number, rounded_down, rounded_up};
 use crate::monitor::{Cancelled, Monitor};
+use crate::{error::Result, inspect::ProbeCache};
 use serde::Serialize;
 use std::cmp::Ordering;
 
@@ -78,8 +76,7 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
 
 fn rises_past_the_rim(trail: &Trail, fate: &Fate, slope: Slope) -> bool {
     let grid = trail.params().used_slopes();
-    let nearest = grid.slopes().position(|s| s == slope);
-    nearest.is_some_and(|index| {
+    grid.slopes().position(|s| s == slope).is_some_and(|index| {
         let (i, j) = grid.coordinates(index);
         grid.on_rim(i, j) && index != fate.slope_index
     })
@@ -228,8 +225,7 @@ pub fn price(
     if let Some(price) = price_at_once(&cache.trail, change, sample, monitor)? {
         return Ok(price);
     }
-    let params = change.applied(&cache.made_with())?;
-    let changed = ProbeCache::new(burst, &SearchParams::from(params), monitor)?;
+    let changed = ProbeCache::new(burst, &SearchParams::from(change.applied(&cache.made_with())?), monitor)?;
     // On another grid of slopes the sample is another one.
     let same_samples = changed.params().used_slopes() == cache.params().used_slopes();
     Ok(between(&cache.trail, &changed.trail, sample.filter(|_| same_samples)))

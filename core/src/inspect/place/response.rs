@@ -48,10 +48,7 @@ impl FineAxis {
 
     /// The column of a slope; fractions lie between columns.
     pub fn column_of(&self, slope: f32) -> f32 {
-        match self.values[..] {
-            [first, second, ..] => (slope - first) / (second - first),
-            _ => 0.0,
-        }
+        if let [first, second, ..] = self.values[..] { (slope - first) / (second - first) } else { 0.0 }
     }
 }
 
@@ -223,8 +220,7 @@ fn slope_plane(trail: &Trail, place: [f32; 2], scale: Scale, monitor: &Monitor) 
         Ok(snr_at(trail, (scale.octave, scale.level..scale.level + 1), place, slope)[0])
     };
     let values = (0..columns * rows).into_par_iter().map(value).collect::<Result<Vec<f32>, Cancelled>>()?;
-    let snr = Plane::from_vec(columns, rows, values);
-    Ok(SlopePlane { scale: scale_of(trail, scale), u, v, snr })
+    Ok(SlopePlane { scale: scale_of(trail, scale), u, v, snr: Plane::from_vec(columns, rows, values) })
 }
 
 /// D over its noise at each of the levels; D itself where there is no noise.

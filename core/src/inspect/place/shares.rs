@@ -4,12 +4,11 @@
 //! frames in which the true blob crosses its path, so its responses form a bump. A slice is taken along a line of
 //! pixels and has one row for each frame (the epipolar-plane image, *Reslice* in ImageJ).
 
-use crate::burst::Offset;
 use crate::detector::coherence::{Evenness, FrameResponse, Shape, evenness_of, responding};
 use crate::detector::{Scale, Slope, SlopeGrid, Trail};
 use crate::monitor::{Cancelled, Monitor};
-use crate::plane::Plane;
 use crate::plane::sample::{bilinear, sample_patch};
+use crate::{burst::Offset, plane::Plane};
 use serde::Serialize;
 use std::sync::Arc;
 

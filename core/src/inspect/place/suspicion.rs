@@ -3,17 +3,14 @@
 
 use super::fate::{Fate, apart_sigmas};
 use super::pixels::{Period, dirichlet, period_along};
-use super::remedy::widened_towards;
 use super::response::{beyond_the_rim, covering, snr_at};
-use super::shares::directions;
+use super::{remedy::widened_towards, shares::directions};
 use crate::detector::coherence::{BUMP_COHERENCE, Evenness, Shape};
-use crate::detector::params::doc;
 use crate::detector::{Detection, Distinct, Feature, ParamChange, Slope, Trail};
-use crate::export::FeatureVerdict;
 use crate::inspect::words::{number, rounded_up, slope_text};
 use crate::monitor::{Cancelled, Monitor, Stage};
-use crate::plane::Plane;
-use crate::plane::tile::Region;
+use crate::plane::{Plane, tile::Region};
+use crate::{detector::params::doc, export::FeatureVerdict};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -271,9 +268,8 @@ fn stack_around(
 ) -> Result<(Plane, [f32; 2]), Cancelled> {
     let region = Region::around([u, v], half_px, trail.size_image());
     monitor.check()?;
-    let shown = covering(trail, [u, v], slope);
     let place = [u - region.columns.start as f32, v - region.rows.start as f32];
-    Ok((trail.stack_part(&region, slope, &shown), place))
+    Ok((trail.stack_part(&region, slope, &covering(trail, [u, v], slope)), place))
 }
 
 /// Likely nature of a feature.

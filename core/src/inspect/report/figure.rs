@@ -5,8 +5,7 @@ use crate::export::{CURVE_COLUMNS, Cell, Drawing, Figure, FigureStroke, SPECTRUM
 use crate::inspect::place::{Fate, Outcome, Probe, Shares, Slice, outline};
 use crate::inspect::slopes::{SlopeBar, Spectrum};
 use crate::inspect::words::{capitalised, counted, number, sentence, slope_text, value_text};
-use crate::plane::Plane;
-use crate::plane::display::Display;
+use crate::plane::{Plane, display::Display};
 
 const WIDTH: f64 = 980.0;
 const LEFT: f64 = 64.0;
@@ -39,13 +38,10 @@ pub fn probe_figure(probe: &Probe, name: &str) -> Figure {
 fn probe_drawing(probe: &Probe, name: &str) -> Drawing {
     let [u, v] = probe.pos_image;
     let mut sheet = Sheet::new(WIDTH, &format!("{name} at ({u}, {v})"));
-    let title = format!("{name} at ({}, {})", number(u, 1), number(v, 1));
-    sheet.heading((24.0, 30.0), 16.0, &title);
+    sheet.heading((24.0, 30.0), 16.0, &format!("{name} at ({}, {})", number(u, 1), number(v, 1)));
     let top = sheet.paragraph((24.0, 52.0), 13.0, WIDTH - 48.0, &probe.summary) + 22.0;
-    let map = Area { x: LEFT, y: top, width: 360.0, height: 250.0 };
-    response(&mut sheet, map, probe);
-    let plot = Area { x: RIGHT + 52.0, y: top, width: 400.0, height: 150.0 };
-    shares(&mut sheet, plot, &probe.shares);
+    response(&mut sheet, Area { x: LEFT, y: top, width: 360.0, height: 250.0 }, probe);
+    shares(&mut sheet, Area { x: RIGHT + 52.0, y: top, width: 400.0, height: 150.0 }, &probe.shares);
     patches(&mut sheet, Area { x: RIGHT + 52.0, y: top + 206.0, width: 400.0, height: 60.0 }, &probe.shares);
     let second = top + 340.0;
     slice(&mut sheet, Area { x: LEFT, y: second, width: 360.0, height: 110.0 }, probe, &probe.slices[0]);
@@ -279,16 +275,14 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
         for (count, colour) in [(bar.features, BLUE), (bar.at_limit, RED)] {
             let height = count as f64 / max * upper.height;
             if count > 0 {
-                let area = Area { x, y: upper.bottom() - height, width, height };
-                sheet.rectangle(area, colour);
+                sheet.rectangle(Area { x, y: upper.bottom() - height, width, height }, colour);
             }
         }
         if bar.evidence > 0.0 {
             let height = f64::from(bar.evidence / part) * lower.height;
             let area = Area { x, y: lower.bottom() - height, width, height };
             let beyond = FigureStroke::new(GREEN, 1.5);
-            let style = if bar.is_searched { GREEN.into() } else { Style::from(beyond) };
-            sheet.rectangle(area, style);
+            sheet.rectangle(area, if bar.is_searched { GREEN.into() } else { Style::from(beyond) });
         }
     }
     // The limits of the searched range.
@@ -337,8 +331,7 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
         // Outline of the slopes that were searched.
         let (x, y) = (area.x - i0 as f64 * side, area.y - j0 as f64 * side);
         let (width, height) = (grid.u.count as f64 * side, grid.v.count as f64 * side);
-        let searched = Area { x, y, width, height };
-        sheet.rectangle(searched, FigureStroke::new(RED, 1.5).dashed([4.0, 3.0]));
+        sheet.rectangle(Area { x, y, width, height }, FigureStroke::new(RED, 1.5).dashed([4.0, 3.0]));
         let ends = |axis: &crate::detector::SlopeAxis, first: i64, count: usize| {
             let begin = f64::from(axis.value(0.0)) + (first as f64 - 0.5) * f64::from(axis.step());
             (begin, begin + count as f64 * f64::from(axis.step()))

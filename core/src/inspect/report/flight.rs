@@ -1,16 +1,13 @@
 //! Many bursts on one page: those that need somebody first, with the reasons, and a row for each.
 
 use super::page::{HEADING, Page, Part, TEXT, TITLE};
-use crate::burst::Burst;
 use crate::dataset::{ColmapReport, Joined, PairReport};
 use crate::detect::{Searched, search};
 use crate::detector::{Method, SearchParams, find_slopes};
-use crate::error::Result;
 use crate::export::{Cell, FLIGHT_COLUMNS, Table};
 use crate::inspect::slopes::{AdviceSubject, SlopeJudgement, judgement};
 use crate::inspect::words::{capitalised, counted, number, some_of};
-use crate::matching::Refusal;
-use crate::monitor::Monitor;
+use crate::{burst::Burst, error::Result, matching::Refusal, monitor::Monitor};
 use serde::Serialize;
 use std::cmp::Reverse;
 
@@ -126,11 +123,7 @@ pub fn flight_table(rows: &[FlightRow]) -> Table {
     let row = |row: &FlightRow| {
         let health = row.health.as_ref().ok();
         let judged = health.and_then(|health| health.slopes_judged.as_ref());
-        let fit = judged.map(|judged| match judged.holds() {
-            Some(true) => "yes",
-            Some(false) => "no",
-            None => "unknown",
-        });
+        let fit = judged.map(|judged| judged.holds().map_or("unknown", |holds| if holds { "yes" } else { "no" }));
         let count = |of: fn(&BurstHealth) -> usize| Cell::of(health.map(|health| of(health) as f64), 0);
         let single = |value: Option<f32>, digits| value.map_or(Cell::Missing, |value| Cell::single(value, digits));
         vec![

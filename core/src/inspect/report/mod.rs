@@ -183,8 +183,7 @@ fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
             writeln!(out, "    frame {:>3}  does not show the place", frame.frame)?;
             continue;
         }
-        let length = (BAR_WIDTH * (sign * frame.value).max(0.0) / max).round() as usize;
-        let bar = "#".repeat(length);
+        let bar = "#".repeat((BAR_WIDTH * (sign * frame.value).max(0.0) / max).round() as usize);
         writeln!(out, "    frame {:>3} {:>+10.2e} ± {:.1e}  {bar}", frame.frame, frame.value, frame.sigma_d)?;
     }
     Ok(())
@@ -219,10 +218,8 @@ fn write_decoys(out: &mut String, report: &DecoyReport, name: &str) -> std::fmt:
 /// Smallest SNR, number found here, mean number in a copy, and their ratio.
 fn decoy_cells(rate: &FalseRate) -> [String; 4] {
     let from = if rate.snr > 0.0 { number(rate.snr, 1) } else { "any".to_owned() };
-    let ratio = match (rate.rate, rate.error) {
-        (Some(rate), Some(error)) => format!("{rate:.2} ± {error:.2}"),
-        _ => "–".to_owned(),
-    };
+    let ratio = rate.rate.zip(rate.error);
+    let ratio = ratio.map_or_else(|| "–".to_owned(), |(rate, error)| format!("{rate:.2} ± {error:.2}"));
     [from, rate.found.to_string(), format!("{:.1}", rate.mean_in_copies()), ratio]
 }
 

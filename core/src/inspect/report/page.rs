@@ -3,9 +3,7 @@
 
 use super::{decoy_cells, doubts, reasons, shown_bars, slope_cells, test_cells};
 use crate::burst::{Burst, Info};
-use crate::detector::Test;
-use crate::detector::advice::grouped;
-use crate::detector::test::NOT_SEARCHED;
+use crate::detector::{Test, advice::grouped, test::NOT_SEARCHED};
 use crate::error::Result;
 use crate::export::sheet::{Anchor, Area, Colour, Face, LETTER, RED, Sheet};
 use crate::export::{Drawing, Escaped, FigureStroke, FigureUnit};
@@ -69,14 +67,8 @@ impl<'a> BurstPage<'a> {
         let rest = monitor.part(DECOYS, 1.0 - DECOYS);
         let fate = |at: [f32; 2]| probe(cache, at, &ProbeOptions::default(), &rest);
         let places = places.iter().map(|(name, at)| Ok((name.clone(), fate(*at)?)));
-        Ok(Self {
-            cache,
-            burst,
-            spectrum: spectrum(cache, &rest)?,
-            decoys,
-            places: places.collect::<Result<_>>()?,
-            info,
-        })
+        let (spectrum, places) = (spectrum(cache, &rest)?, places.collect::<Result<_>>()?);
+        Ok(Self { cache, burst, info, spectrum, decoys, places })
     }
 
     /// The page: the input, its slopes, noise, features and tests, then the places.

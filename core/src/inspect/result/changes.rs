@@ -13,8 +13,7 @@ use crate::export::{feature_header, read_colmap, read_features_csv};
 use crate::files;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
-use std::io::Read;
-use std::path::Path;
+use std::{io::Read, path::Path};
 
 /// A feature as used by the comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,8 +31,7 @@ pub struct Spot {
 impl From<&Feature> for Spot {
     fn from(f: &Feature) -> Self {
         // A bright blob is a negative extremum.
-        let is_bright = Some(f.response < 0.0);
-        Self { pos_image: [f.u, f.v], sigma: f.sigma, slope: Some(f.slope), is_bright }
+        Self { pos_image: [f.u, f.v], sigma: f.sigma, slope: Some(f.slope), is_bright: Some(f.response < 0.0) }
     }
 }
 
@@ -162,8 +160,7 @@ impl Cells {
     fn new(spots: &[Spot], which: impl IntoIterator<Item = usize>) -> Self {
         let mut squares: HashMap<_, Vec<usize>> = HashMap::new();
         for index in which {
-            let class = class(spots[index].sigma);
-            squares.entry(Self::square(&spots[index], class)).or_default().push(index);
+            squares.entry(Self::square(&spots[index], class(spots[index].sigma))).or_default().push(index);
         }
         Self { squares }
     }

@@ -6,9 +6,8 @@
 //! exceed 1: in a copy no true feature stands where a false one would be. A feature that stays within its own size over
 //! the burst is in every copy too, whether true or not: of such features decoys say nothing.
 
-use crate::detector::feature::strength;
-use crate::detector::stack::FrameTimes;
 use crate::detector::{Feature, Method, SearchParams, Trail};
+use crate::detector::{feature::strength, stack::FrameTimes};
 use crate::error::{Error, Result};
 use crate::inspect::place::{Judged, judged};
 use crate::inspect::words::{counted, number};

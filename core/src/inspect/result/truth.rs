@@ -3,15 +3,13 @@
 //! motion.
 
 use super::score::{Ranking, finds, is_of_disc, judge};
-use crate::burst::Burst;
-use crate::detector::Slope;
 use crate::error::{Error, ErrorKind, Result};
 use crate::export::case::{self, is_case};
 use crate::files::{MAX_TABLE_BYTES, read_text};
-use crate::inspect::ProbeCache;
 use crate::inspect::place::{Fate, Near, is_same_motion, motion_limit, near, sorted_by_stage, too_small};
 use crate::monitor::{Cancelled, Monitor};
 use crate::synth::{Example, FeatureTruth, Truth, TruthKind, demo_truth};
+use crate::{burst::Burst, detector::Slope, inspect::ProbeCache};
 use serde::Serialize;
 use std::path::Path;
 
@@ -179,8 +177,7 @@ pub fn miss(cache: &ProbeCache, index: usize, disc: &FeatureTruth, monitor: &Mon
     let would_find =
         |fate: &Fate| is_of_disc(fate.pos_image, fate.sigma, disc) && (fate.value < 0.0) == (disc.contrast_sign > 0);
     let fates: Vec<Fate> = sorted_by_stage(fates.into_iter().filter(would_find).collect());
-    let moves = |fate: &&Fate| is_same_motion(trail, fate.slope, slope, disc.sigma as f32);
-    let own = fates.iter().find(moves);
+    let own = fates.iter().find(|fate| is_same_motion(trail, fate.slope, slope, disc.sigma as f32));
     let outdoes = |snr: f32| own.is_none_or(|fate| !fate.is_kept() && snr > fate.snr);
     let small = too_small(trail, &peaks, &[slope], monitor)?;
     let small = small.filter(|reason| reason.sigma_and_snr.is_some_and(|(_, snr)| outdoes(snr)));

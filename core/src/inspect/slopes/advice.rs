@@ -2,18 +2,14 @@
 //! the picture has left. It is tried before it is offered: the advice that would be given after its changes is
 //! computed, from the frames and their field of motion over the changed slopes.
 
-use super::fit::Judging;
-use super::{Spectrum, coverage_share};
-use crate::burst::TimesChoice;
-use crate::detect::search;
-use crate::detector::field::field_over;
-use crate::detector::slopes::retimed;
+use super::{Spectrum, coverage_share, fit::Judging};
 use crate::detector::{
     Feature, ParamChange, Slope, SlopeAxis, SlopeFinding, SlopeGrid, SlopeVerdict, Slopes, find_slopes,
 };
-use crate::inspect::ProbeCache;
-use crate::inspect::words::slope_text;
+use crate::detector::{field::field_over, slopes::retimed};
+use crate::inspect::{ProbeCache, words::slope_text};
 use crate::monitor::{Cancelled, Monitor};
+use crate::{burst::TimesChoice, detect::search};
 use serde::Serialize;
 
 /// Subject of a piece of advice.
@@ -95,10 +91,7 @@ impl Judging<'_> {
             sum += significance;
             sum >= half
         })?;
-        let covered = |count: usize| {
-            let positions = self.positions.part(self.middle(count));
-            coverage_share(typical, &positions, size)
-        };
+        let covered = |count: usize| coverage_share(typical, &self.positions.part(self.middle(count)), size);
         let share = covered(frames);
         if share >= COVERED || spectrum.finding.verdict == SlopeVerdict::Film {
             return None;
@@ -155,8 +148,7 @@ impl Judging<'_> {
             return Ok(Some(finding.grid));
         }
         // The field alone is not sure of what lies beyond: features bear it out, those of a search over these slopes.
-        let auto = self.params.clone().with_slopes(Slopes::AUTO);
-        let searched = search(self.burst, &auto, &monitor.silent());
+        let searched = search(self.burst, &self.params.clone().with_slopes(Slopes::AUTO), &monitor.silent());
         monitor.check()?;
         Ok(Some(searched.map_or(finding.grid, |searched| searched.params.slopes)))
     }

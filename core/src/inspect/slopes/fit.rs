@@ -4,16 +4,14 @@
 
 use super::{AdviceSubject, SlopeAdvice};
 use crate::burst::{Burst, Positions, TimesChoice};
-use crate::detector::advice::grouped;
 use crate::detector::field::{Beyond, FIELD_BEYOND};
-use crate::detector::limit::response_loss;
-use crate::detector::params::doc;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::slopes::{SlopeEvidence, axis_through, slopes_needed};
 use crate::detector::{
     Detection, DetectorParams, Feature, FrameRange, Method, MotionField, ParamChange, Slope, SlopeAxis, SlopeFinding,
     SlopeGrid, SlopeVerdict,
 };
+use crate::detector::{advice::grouped, limit::response_loss, params::doc};
 use crate::inspect::words::{counted, number};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
@@ -243,8 +241,7 @@ impl<'a> Judging<'a> {
         let (finding, frames) = (self.finding?, self.frames);
         let (left, why) = match finding.verdict {
             SlopeVerdict::NotStraight => {
-                let off = finding.deviation_px.filter(|off| *off > STRAIGHT_PX)?;
-                let px = number(off, 1);
+                let px = number(finding.deviation_px.filter(|off| *off > STRAIGHT_PX)?, 1);
                 let why = match finding.warnings[..] {
                     [] => format!("the motion is not straight: it deviates from a uniform one by up to {px} px"),
                     _ => finding.irregularities(),
@@ -305,8 +302,7 @@ impl<'a> Judging<'a> {
             _ => "along the searched line: it needs slopes in two directions".to_owned(),
         };
         let sentence = format!("{:.0} % of what the frames show does not move {how}", 100.0 * part);
-        let changes = self.changes_to(found);
-        Some(SlopeAdvice::new(AdviceSubject::Direction, f64::from(part), sentence, changes))
+        Some(SlopeAdvice::new(AdviceSubject::Direction, f64::from(part), sentence, self.changes_to(found)))
     }
 
     fn range(&self) -> Option<SlopeAdvice> {
@@ -340,8 +336,7 @@ impl<'a> Judging<'a> {
             _ if grid.direction_deg != finding.grid.direction_deg => finding.grid,
             _ => SlopeGrid { u: widened(&grid.u, finding.grid.u), v: widened(&grid.v, finding.grid.v), ..grid },
         };
-        let changes = self.changes_to(wanted);
-        Some(SlopeAdvice::new(AdviceSubject::Range, f64::from(part), sentence, changes))
+        Some(SlopeAdvice::new(AdviceSubject::Range, f64::from(part), sentence, self.changes_to(wanted)))
     }
 
     /// The range of the evidence along an axis of the grid.
@@ -464,8 +459,7 @@ impl<'a> Judging<'a> {
 
     /// The slopes found, where they are so few of the grid's that the others are searched for nothing.
     fn fewer(&self) -> Option<SlopeGrid> {
-        let finding = self.finding.filter(|finding| finding.verdict == SlopeVerdict::Found)?;
-        let found = finding.grid;
+        let found = self.finding.filter(|finding| finding.verdict == SlopeVerdict::Found)?.grid;
         let is_few = found.len() as f64 <= NEEDED * self.grid.len() as f64;
         // A motion that is not known lies at an end of the grid of now, not beyond the slopes found.
         let moves_beyond = |field: &MotionField| field.known_beyond(&found) > FIELD_BEYOND;

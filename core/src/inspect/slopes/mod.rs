@@ -13,10 +13,9 @@ pub use fit::{SlopeJudgement, is_doubtful, judgement};
 pub use set_up::{SetUp, SetUpSlopes, set_up_bounds};
 
 use super::ProbeCache;
-use crate::burst::Positions;
-use crate::detector::slopes::SlopeEvidence;
 use crate::detector::{Detection, Feature, Slope, SlopeFinding, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor};
+use crate::{burst::Positions, detector::slopes::SlopeEvidence};
 use serde::Serialize;
 
 /// Features and evidence at one slope.
@@ -111,8 +110,7 @@ pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cance
         frames: detection.frames_used.len(),
         advice: Vec::new(),
     };
-    let advice = advice::advice(cache, &spectrum, monitor)?;
-    Ok(Spectrum { advice, ..spectrum })
+    Ok(Spectrum { advice: advice::advice(cache, &spectrum, monitor)?, ..spectrum })
 }
 
 /// The share of a picture of `size` that all frames at `positions` show at `slope`.

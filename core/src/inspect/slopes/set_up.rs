@@ -11,11 +11,9 @@
 //! pixels per frame at r frames per second, near the middle of the picture. Motion towards the scene moves points away
 //! from the middle, each by its own slope, and has no such line.
 
-use crate::burst::Positions;
-use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{DetectorParams, Slope, SlopeAxis, SlopeGrid};
 use crate::error::{Error, Result};
-use crate::inspect::words::number;
+use crate::{burst::Positions, detector::scale_space::ScaleSpace, inspect::words::number};
 use serde::{Deserialize, Serialize};
 
 /// Camera and scene.

@@ -299,9 +299,8 @@ mod tests {
                 let before = levels.last().unwrap_or(&plane);
                 levels.push(gaussian_blur(before, &kernel));
             }
-            let bank = FilterBank::new(chain(), 0..5);
             let whole = Region { columns: 0..width, rows: 0..height };
-            let (differences, kept) = filtered(&plane, &bank, &whole, 3);
+            let (differences, kept) = filtered(&plane, &FilterBank::new(chain(), 0..5), &whole, 3);
             for v in 0..height {
                 for u in 0..width {
                     assert!((kept.at(u, v) - levels[3].at(u, v)).abs() < 1e-5, "{u} {v}");

@@ -3,9 +3,8 @@
 //! Inside, a level's kernel is the convolution of the chain's kernels. Near a border each blur of the chain repeats the
 //! nearest pixel of its input: a clamped convolution, a matrix. Rows of the product of these matrices are the weights.
 
-use crate::kernel::gaussian_bank::FilterBank;
 use crate::kernel::machine::WIDEST_VECTOR as VECTOR;
-use crate::plane::blur::GaussianKernel;
+use crate::{kernel::gaussian_bank::FilterBank, plane::blur::GaussianKernel};
 use std::ops::Range;
 
 /// Weights of one level for outputs near a border: `weights[(input − ins.start)·stride + output − outs.start]`.

@@ -71,8 +71,7 @@ impl Grid {
         let (mean, scale) = (mean as f32, variance.sqrt().recip() as f32);
         values.iter_mut().for_each(|x| *x = (*x - mean) * scale);
         // A value between two samples is made from two more on each side.
-        let readable = seen.map(|range| [(range.start + 1) as f32, (range.end - 2) as f32]);
-        Some(Self { values, readable })
+        Some(Self { values, readable: seen.map(|range| [(range.start + 1) as f32, (range.end - 2) as f32]) })
     }
 
     /// Map from a lattice of `unit_px` input pixels, turned by `angle`, around the middle of `chip` to its samples.

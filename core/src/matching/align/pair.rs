@@ -128,8 +128,7 @@ fn measured(
     let grids = [Grid::new(a)?, Grid::new(b)?];
     let places = [Grid::places(a, units[0], 0.0), Grid::places(b, units[1], frame.rotation)];
     let (a, b) = ((&grids[0], &places[0]), (&grids[1], &places[1]));
-    let start = search.peak(a, b, searched)?;
-    let found = window.fit(a, b, start, fitted)?;
+    let found = window.fit(a, b, search.peak(a, b, searched)?, fitted)?;
     let (sin, cos) = frame.rotation.sin_cos();
     let turned = Affine { matrix: [[cos, -sin], [sin, cos]].map(|row| row.map(|x| x * units[1])), shift: [0.0; 2] };
     let map = turned.after(&found.map);

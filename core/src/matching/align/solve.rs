@@ -47,8 +47,7 @@ impl Places {
                 first.len() - 1
             })
         };
-        let of_feature = features.into_iter().enumerate().map(place).collect();
-        Self { of_feature, first }
+        Self { of_feature: features.into_iter().enumerate().map(place).collect(), first }
     }
 }
 

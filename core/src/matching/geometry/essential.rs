@@ -9,10 +9,9 @@
 //! Of the four poses of E one alone has points in front of both cameras (Hartley and Zisserman, "Multiple View
 //! Geometry", 2nd ed., 9.6.2; the poses after Horn, "Recovering Baseline and Orientation from 'Essential' Matrix").
 
-use super::consensus::Problem;
 use super::linear::{epipolar_row, equation};
 use super::points::{RayPair, Vector9, cross_matrix, matrix_of, null_space};
-use super::polynomial::real_roots;
+use super::{consensus::Problem, polynomial::real_roots};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use std::sync::LazyLock;
 
@@ -28,8 +27,11 @@ impl Problem for EssentialProblem<'_> {
     const SAMPLE_SIZE: usize = 5;
 
     fn solve(&self, sample: &[usize], models: &mut Vec<Matrix3<f64>>) {
-        let pairs: [&RayPair; 5] = std::array::from_fn(|i| &self.pairs[sample[i]]);
-        models.extend(from_five(&pairs));
+        let mut equations: [[f64; 9]; 5] = std::array::from_fn(|i| epipolar_row(&self.pairs[sample[i]]));
+        let Some(basis) = null_space::<4>(&mut equations) else { return };
+        let Some(reduced) = eliminated(&basis) else { return };
+        let rows = polynomial_rows(&reduced);
+        models.extend(real_roots(&determinant(&rows)).into_iter().filter_map(|z| solution(&rows, &basis, z)));
     }
 
     fn squared_errors(&self, model: &Matrix3<f64>) -> impl Iterator<Item = f64> {
@@ -112,13 +114,6 @@ fn add_product(sum: &mut Cubic, factor: f64, p: &Cubic, p_places: &[usize], q: &
             sum[product[i][j]] += factor * p[i] * q[j];
         }
     }
-}
-
-fn from_five(pairs: &[&RayPair; 5]) -> Vec<Matrix3<f64>> {
-    let Some(basis) = null_space::<4>(&mut pairs.map(epipolar_row)) else { return Vec::new() };
-    let Some(reduced) = eliminated(&basis) else { return Vec::new() };
-    let rows = polynomial_rows(&reduced);
-    real_roots(&determinant(&rows)).into_iter().filter_map(|z| solution(&rows, &basis, z)).collect()
 }
 
 /// The ten equations in reduced row echelon form: the coefficients of each in the last ten monomials.

@@ -179,8 +179,7 @@ impl Homography {
         let norm = h.norm();
         let forward = h * (if sign < 0.0 { -1.0 } else { 1.0 } / norm);
         // The determinant of a matrix of norm 1 is at most 0.19; below this the plane is seen edge-on.
-        let determinant = forward.determinant();
-        if !(norm > 0.0 && determinant.abs() > 1e-9) {
+        if !(norm > 0.0 && forward.determinant().abs() > 1e-9) {
             return None;
         }
         // What is mapped with a third coordinate w comes back with 1/w: the inverse has the right sign too.

@@ -110,19 +110,19 @@ fn best_model(
         let problem = essential::EssentialProblem { pairs: &directions, focal_px };
         estimate(&problem, order, known.copied(), max_error, params, monitor)?
     } else {
-        let (normalisation, pairs) = Normalisation::of(points);
+        let (Normalisation { scale, to: [to_a, to_b], back: [back_a, back_b] }, pairs) = Normalisation::of(points);
         // One scale for both images, so that an error in pixels is one in normalised coordinates.
-        let max_error = max_error * normalisation.scale;
+        let max_error = max_error * scale;
         if params.geometry == Geometry::Homography {
             let problem = linear::HomographyProblem { pairs: &pairs };
-            let known = known.and_then(|h| Homography::oriented(&normalisation.homography_of_pixels(h), pairs.iter()));
+            let known = known.and_then(|h| Homography::oriented(&(to_b * h * back_a), pairs.iter()));
             let (found, iterations) = estimate(&problem, order, known, max_error, params, monitor)?;
-            (found.map(|h| normalisation.homography_in_pixels(&h.forward)), iterations)
+            (found.map(|h| back_b * h.forward * to_a), iterations)
         } else {
             let problem = linear::FundamentalProblem { pairs: &pairs };
-            let known = known.map(|f| normalisation.fundamental_of_pixels(f).normalize());
+            let known = known.map(|f| (back_b.transpose() * f * back_a).normalize());
             let (found, iterations) = estimate(&problem, order, known, max_error, params, monitor)?;
-            (found.map(|f| normalisation.fundamental_in_pixels(&f).normalize()), iterations)
+            (found.map(|f| (to_b.transpose() * f * to_a).normalize()), iterations)
         }
     };
     Ok((matrix.and_then(|matrix| TwoViewModel::of(matrix, params)), iterations))

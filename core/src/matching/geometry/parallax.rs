@@ -36,8 +36,7 @@ impl Parallax {
                 let there = |here: &Camera, other: &Camera, rotation: Matrix3<f64>, translation: Vector3<f64>| {
                     let k = other.matrix();
                     let (by_plane, epipole) = (k * rotation * here.matrix().try_inverse()?, k * translation);
-                    let cameras = Some([here.clone(), other.clone()]);
-                    Some(Self { by_plane, epipole, cameras })
+                    Some(Self { by_plane, epipole, cameras: Some([here.clone(), other.clone()]) })
                 };
                 // The way back: the inverse of the pose.
                 let turned = pose.rotation.transpose();

@@ -25,10 +25,12 @@ impl RayPair {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Normalisation {
-    centre_a: [f64; 2],
-    centre_b: [f64; 2],
     /// Normalised units per pixel.
     pub scale: f64,
+    /// Normalised coordinates of pixels of A, and of B.
+    pub to: [Matrix3<f64>; 2],
+    /// The inverses of these.
+    pub back: [Matrix3<f64>; 2],
 }
 
 impl Normalisation {
@@ -36,44 +38,20 @@ impl Normalisation {
     pub(super) fn of(pairs: &[RayPair]) -> (Self, Vec<RayPair>) {
         let count = pairs.len().max(1) as f64;
         let mean = |point: fn(&RayPair) -> [f64; 2]| {
-            let sum = pairs.iter().map(point).fold([0.0; 2], |s, p| [s[0] + p[0], s[1] + p[1]]);
-            sum.map(|x| x / count)
+            pairs.iter().map(point).fold([0.0; 2], |s, p| [s[0] + p[0], s[1] + p[1]]).map(|x| x / count)
         };
         let (centre_a, centre_b) = (mean(|p| p.a), mean(|p| p.b));
         let off = |p: [f64; 2], c: [f64; 2]| (p[0] - c[0]) * (p[0] - c[0]) + (p[1] - c[1]) * (p[1] - c[1]);
         let spread = pairs.iter().map(|p| off(p.a, centre_a) + off(p.b, centre_b)).sum::<f64>() / (2.0 * count);
         // Points that all coincide have no size.
         let scale = if spread > 0.0 { (2.0 / spread).sqrt() } else { 1.0 };
-        let to = |p: [f64; 2], c: [f64; 2]| [(p[0] - c[0]) * scale, (p[1] - c[1]) * scale];
-        let normalised = pairs.iter().map(|pair| RayPair { a: to(pair.a, centre_a), b: to(pair.b, centre_b) });
-        (Self { centre_a, centre_b, scale }, normalised.collect())
-    }
-
-    fn matrix(&self, centre: [f64; 2]) -> Matrix3<f64> {
-        let s = self.scale;
-        Matrix3::new(s, 0.0, -s * centre[0], 0.0, s, -s * centre[1], 0.0, 0.0, 1.0)
-    }
-
-    /// The inverse of [`Self::matrix`].
-    fn back(&self, [x, y]: [f64; 2]) -> Matrix3<f64> {
-        let px = 1.0 / self.scale;
-        Matrix3::new(px, 0.0, x, 0.0, px, y, 0.0, 0.0, 1.0)
-    }
-
-    pub(super) fn fundamental_in_pixels(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
-        self.matrix(self.centre_b).transpose() * f * self.matrix(self.centre_a)
-    }
-
-    pub(super) fn homography_in_pixels(&self, h: &Matrix3<f64>) -> Matrix3<f64> {
-        self.back(self.centre_b) * h * self.matrix(self.centre_a)
-    }
-
-    pub(super) fn fundamental_of_pixels(&self, f: &Matrix3<f64>) -> Matrix3<f64> {
-        self.back(self.centre_b).transpose() * f * self.back(self.centre_a)
-    }
-
-    pub(super) fn homography_of_pixels(&self, h: &Matrix3<f64>) -> Matrix3<f64> {
-        self.matrix(self.centre_b) * h * self.back(self.centre_a)
+        let normal = |p: [f64; 2], c: [f64; 2]| [(p[0] - c[0]) * scale, (p[1] - c[1]) * scale];
+        let pairs = pairs.iter().map(|pair| RayPair { a: normal(pair.a, centre_a), b: normal(pair.b, centre_b) });
+        let (s, px) = (scale, 1.0 / scale);
+        let to = |[x, y]: [f64; 2]| Matrix3::new(s, 0.0, -s * x, 0.0, s, -s * y, 0.0, 0.0, 1.0);
+        let back = |[x, y]: [f64; 2]| Matrix3::new(px, 0.0, x, 0.0, px, y, 0.0, 0.0, 1.0);
+        let centres = [centre_a, centre_b];
+        (Self { scale, to: centres.map(to), back: centres.map(back) }, pairs.collect())
     }
 }
 

@@ -215,11 +215,8 @@ impl PoseErrors {
     /// Errors from the residual motions.
     pub fn of(left_over: &[Isometry3<f64>]) -> Self {
         let (translations, angles): (Vec<f64>, Vec<f64>) = left_over.iter().map(magnitudes).unzip();
-        Self {
-            count: left_over.len(),
-            translation: ErrorSummary::of(&translations),
-            rotation_deg: ErrorSummary::of(&angles),
-        }
+        let [translation, rotation_deg] = [translations, angles].map(|errors| ErrorSummary::of(&errors));
+        Self { count: left_over.len(), translation, rotation_deg }
     }
 }
 

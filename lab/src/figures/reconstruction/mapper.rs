@@ -1,20 +1,12 @@
 //! One method on one trajectory: writes the dataset and its database, runs COLMAP's mapper, computes the errors.
 
+use super::study::Study;
 use crate::evaluate::BurstMethod;
 use crate::synth::{Motion, Trajectory};
 use burstscope_core::error::{Error, ErrorKind, Result};
-use burstscope_core::{detector::SearchParams, matching::MatchParams, monitor::Monitor};
+use burstscope_core::monitor::Monitor;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-
-#[derive(Debug, Clone)]
-#[cfg_attr(not(feature = "colmap"), expect(dead_code, reason = "without the database nobody runs the mapper"))]
-pub(super) struct How {
-    /// Whether it searches the noise-free views instead of the bursts.
-    pub is_gold: bool,
-    pub search: SearchParams,
-    pub matching: MatchParams,
-}
 
 #[cfg(feature = "colmap")]
 pub(super) use with_database::reconstruct;
@@ -26,7 +18,13 @@ fn unrun(program: &Path, reason: &str) -> Error {
 
 /// Without the database COLMAP has no input; the figure never calls this then.
 #[cfg(not(feature = "colmap"))]
-pub(super) fn reconstruct(program: &Path, _: &How, _: &Trajectory, _: &Path, _: &Monitor) -> Result<Reconstructed> {
+pub(super) fn reconstruct(
+    program: &Path,
+    _: (&Study, BurstMethod),
+    _: &Trajectory,
+    _: &Path,
+    _: &Monitor,
+) -> Result<Reconstructed> {
     Err(unrun(program, "this program was built without the feature colmap"))
 }
 
@@ -54,7 +52,7 @@ mod with_database {
     /// its cameras with the true ones. A mapper that finds no model is a result: nothing registered.
     pub(in crate::figures::reconstruction) fn reconstruct(
         program: &Path,
-        how: &How,
+        (study, method): (&Study, BurstMethod),
         way: &Trajectory,
         folder: &Path,
         monitor: &Monitor,
@@ -62,31 +60,23 @@ mod with_database {
         let silent = monitor.silent();
         let (data, out) = (folder.join("way"), folder.join("out"));
         write_trajectory(&data, way, &silent)?;
-        let bursts = match how.is_gold {
-            false => DatasetSource::of_bursts(vec![data.join("bursts")]).bursts(&OpenOptions::default())?,
-            // Each view is a burst of one frame.
-            true => (0..way.cameras.len())
+        let bursts = match method {
+            // Each noise-free view is a burst of one frame.
+            BurstMethod::Gold => (0..way.cameras.len())
                 .map(|index| {
                     let name = Trajectory::name(index);
                     let paths = vec![data.join("gold").join(format!("{name}.png"))];
                     BurstFiles { name, paths }
                 })
                 .collect(),
+            _ => DatasetSource::of_bursts(vec![data.join("bursts")]).bursts(&OpenOptions::default())?,
         };
-        let lens = &way.lens;
-        let camera = Camera {
-            model: CameraModel::Pinhole,
-            width: lens.width,
-            height: lens.height,
-            params: lens.colmap_params().to_vec(),
-        };
+        let (width, height, params) = (way.lens.width, way.lens.height, way.lens.colmap_params().to_vec());
+        let camera = Camera { model: CameraModel::Pinhole, width, height, params };
+        let (detector, open) = (study.searches.params(method), OpenOptions::default());
         let job = ColmapJob {
-            features: FeatureJob {
-                detector: how.search.clone(),
-                open: OpenOptions::default(),
-                images: ImageKind::Middle,
-            },
-            matching: how.matching.clone(),
+            features: FeatureJob { detector, open, images: ImageKind::Middle },
+            matching: study.matching.clone(),
             pairs: PairSelection::default(),
             cameras: BurstCameras { rest: CameraChoice::Known(camera), ..Default::default() },
         };
@@ -99,8 +89,7 @@ mod with_database {
         let mapper_secs = started.elapsed().as_secs_f64();
         let compared = compared(&sparse, &data.join("poses.txt"), way.cameras.len());
         // A mapper that fails after it has written a model still has a result.
-        let gave_up = gave_up.filter(|_| compared.registered == 0);
-        Ok(Reconstructed { mapper_secs, gave_up, ..compared })
+        Ok(Reconstructed { mapper_secs, gave_up: gave_up.filter(|_| compared.registered == 0), ..compared })
     }
 
     /// Runs the mapper, or ends it once `monitor` is cancelled; returns its last line if it gave up.
@@ -200,8 +189,7 @@ mod with_database {
             let write = "printf '#!/bin/sh\n%s\n' \"$1\" > \"$0\" && chmod 755 \"$0\"";
             let written = Command::new("sh").args(["-c", write]).arg(&program).arg(script).status();
             assert!(written.expect("a shell").success());
-            let sparse = folder.path().join("sparse");
-            run_mapper(&program, Path::new("a.db"), folder.path(), &sparse, monitor)
+            run_mapper(&program, Path::new("a.db"), folder.path(), &folder.path().join("sparse"), monitor)
         }
 
         #[test]

@@ -7,8 +7,7 @@ mod mapper;
 mod study;
 mod tables;
 
-use super::record::Pieces;
-use super::{FigureSize, Made, MakeFigure};
+use super::{FigureSize, Made, MakeFigure, record::Pieces};
 use burstscope_core::{error::Result, monitor::Monitor};
 use std::path::{Path, PathBuf};
 use study::Study;

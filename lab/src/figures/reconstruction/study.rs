@@ -1,6 +1,6 @@
 //! The trajectories, the methods, and their runs.
 
-use super::mapper::{self, How, Matched, Reconstructed, Run};
+use super::mapper::{self, Matched, Reconstructed, Run};
 use crate::evaluate::{BurstMethod, MatchStudy, Searches, Shot, motion_name};
 use crate::figures::{FigureSize, record::Pieces};
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
@@ -45,8 +45,7 @@ impl Study {
     pub fn methods(motion: Motion) -> Vec<BurstMethod> {
         let burst = [BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d, BurstMethod::Buff2d];
         let is_meant = |method: &BurstMethod| motion == Motion::OneD || *method != BurstMethod::Buff1d;
-        let found = std::iter::once(BurstMethod::BuffAuto);
-        let of_bursts = burst.into_iter().filter(is_meant).chain(found);
+        let of_bursts = burst.into_iter().filter(is_meant).chain([BurstMethod::BuffAuto]);
         std::iter::once(BurstMethod::Gold).chain(of_bursts).collect()
     }
 
@@ -84,7 +83,7 @@ impl Study {
                     pieces.kept_or(&format!("colmap-{name}"), &settings, || {
                         let way = &Drawn::of(&mut drawn, &params, monitor)?.way;
                         let folder = pieces.temporary()?;
-                        mapper::reconstruct(program, &self.how(method), way, &folder.new_path(), monitor)
+                        mapper::reconstruct(program, (self, method), way, &folder.new_path(), monitor)
                     })
                 };
                 let reconstructed: Option<Reconstructed> = colmap.map(reconstruct).transpose()?;
@@ -96,21 +95,11 @@ impl Study {
         Ok(runs)
     }
 
-    fn how(&self, method: BurstMethod) -> How {
-        let (search, matching) = (self.searches.params(method), self.matching.clone());
-        How { is_gold: method == BurstMethod::Gold, search, matching }
-    }
-
     /// Finds the features of all bursts by `method` and matches every pair.
     fn matched(&self, method: BurstMethod, drawn: &Drawn, monitor: &Monitor) -> Result<Matched> {
-        let study = MatchStudy {
-            methods: vec![method],
-            has_gold: method == BurstMethod::Gold,
-            searches: self.searches.clone(),
-            matching: self.matching.clone(),
-            pairs: PairSelection::default(),
-            truth: None,
-        };
+        let (methods, has_gold, pairs) = (vec![method], method == BurstMethod::Gold, PairSelection::default());
+        let (searches, matching) = (self.searches.clone(), self.matching.clone());
+        let study = MatchStudy { methods, has_gold, searches, matching, pairs, truth: None };
         let names: Vec<String> = (0..drawn.bursts.len()).map(Trajectory::name).collect();
         // The frames are drawn already: only finding and matching features is timed.
         let started = Instant::now();

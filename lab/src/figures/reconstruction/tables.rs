@@ -203,19 +203,9 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
             Motion::OneD => "sideways (1D)",
             Motion::TwoD => "forward (2D)",
         };
-        let title = match factor {
-            1 => name.to_owned(),
-            _ => format!("{name}, errors {factor} times as large"),
-        };
-        let plot = Plot {
-            title: &title,
-            label_x: "along the way, m",
-            label_y: "across it, m",
-            range_x,
-            range_y,
-            has_dots: true,
-            series: &all,
-        };
+        let title = if factor == 1 { name.to_owned() } else { format!("{name}, errors {factor} times as large") };
+        let (label_x, label_y) = ("along the way, m", "across it, m");
+        let plot = Plot { title: &title, label_x, label_y, range_x, range_y, has_dots: true, series: &all };
         sheet.plot(area, &plot);
         // The plots share a legend, in which a method stands once.
         for one in all {
@@ -312,8 +302,7 @@ mod tests {
         assert!(
             table.notes.iter().any(|note| note.contains("1 of 3 runs, first with BuFF 1D on motion in 1D: “ERROR"))
         );
-        let errors = poses(&study, &runs, None);
-        assert_eq!(errors.csv.lines().nth(2), Some("1D,BuFF 1D,2,1,1,0.5"));
+        assert_eq!(poses(&study, &runs, None).csv.lines().nth(2), Some("1D,BuFF 1D,2,1,1,0.5"));
         let times = time(&study, &runs, None);
         assert_eq!(times.csv.lines().collect::<Vec<_>>()[1..], ["1D,BuFF 1D,1.5,2,3.5"]);
     }
@@ -350,8 +339,7 @@ mod tests {
     #[test]
     fn both_axes_have_one_scale_and_hold_all_points() {
         let points = [(0.0, 0.0), (4.0, 1.0)].map(|(x, y)| SeriesPoint { x, y, spread: None }).to_vec();
-        let series = Series::new("a", (INK, SOLID), 1.0, points);
-        let (x, y) = ranges(&[series], 2.0);
+        let (x, y) = ranges(&[Series::new("a", (INK, SOLID), 1.0, points)], 2.0);
         assert!(((x.1 - x.0) / (y.1 - y.0) - 2.0).abs() < 1e-12);
         assert!(x.0 < 0.0 && x.1 > 4.0 && y.0 < 0.0 && y.1 > 1.0);
     }

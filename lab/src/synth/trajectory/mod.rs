@@ -14,15 +14,14 @@ pub mod world;
 pub use world::{BurstCamera, Lens, ScenePlane, Shake};
 
 use super::noisy::{CLEARANCE_SIGMAS, FrameLevels, NoisyExposure};
-use crate::synth::write::{frame_name, io, write_folder, write_frame, write_json};
+use crate::synth::write::{frame_name, io, write_file, write_folder, write_frame, write_json};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::files::mark::OutputKind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::synth::noise::{Camera, quantisation_step};
 #[cfg(feature = "cli")]
-use burstscope_core::synth::options::motions;
 use burstscope_core::synth::{Motion, check_common, truth::NoiseTruth};
-use burstscope_core::{burst::Burst, plane::Plane};
+use burstscope_core::{burst::Burst, plane::Plane, synth::options::motions};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -383,19 +382,14 @@ pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) 
                 write_frame(&folder.join(frame_name(t)), frame)?;
             }
             if trajectory.params.shake_deg > 0.0 {
-                let file = folder.join("rotations.txt");
-                std::fs::write(&file, rotations(trajectory, index)).map_err(io(&file))?;
+                write_file(&folder.join("rotations.txt"), rotations(trajectory, index))?;
             }
             write_frame(&gold.join(format!("{name}.png")), &trajectory.gold(index, monitor)?)?;
             monitor.report(Stage::Write, (index + 1) as f32 / count as f32);
         }
         write_json(&fresh.join("trajectory.json"), &trajectory.truth())?;
-        let write = |name: &str, text: String| {
-            let path = fresh.join(name);
-            std::fs::write(&path, text).map_err(io(&path))
-        };
-        write("poses.txt", poses(trajectory))?;
-        write("lens.toml", trajectory.lens.to_toml())?;
+        write_file(&fresh.join("poses.txt"), poses(trajectory))?;
+        write_file(&fresh.join("lens.toml"), trajectory.lens.to_toml())?;
         Ok(monitor.check()?)
     })
 }

@@ -7,8 +7,7 @@
 //! resolution of the sheet, and is then a fixed smooth function that every frame samples at the pixels' centres: only
 //! the geometry moves, by any fraction of a pixel.
 
-use super::TrajectoryParams;
-use super::leaves::paint_leaves;
+use super::{TrajectoryParams, leaves::paint_leaves};
 use crate::synth::paint::{Area, OVERSAMPLING, Sheet};
 use crate::synth::{Motion, random::Stream};
 use burstscope_core::error::{Error, Result};
@@ -312,10 +311,8 @@ impl BurstCamera {
 
 /// Rotation by `yaw` to the right, `pitch` up, `roll` clockwise, radians; `libm` rounds alike on every machine.
 pub fn turn(yaw: f64, pitch: f64, roll: f64) -> UnitQuaternion<f64> {
-    let about = |angle: f64, axis: Vector3<f64>| {
-        let imaginary = axis * libm::sin(0.5 * angle);
-        Quaternion::from_parts(libm::cos(0.5 * angle), imaginary)
-    };
+    let about =
+        |angle: f64, axis: Vector3<f64>| Quaternion::from_parts(libm::cos(0.5 * angle), axis * libm::sin(0.5 * angle));
     UnitQuaternion::from_quaternion(about(yaw, Vector3::y()) * about(pitch, Vector3::x()) * about(roll, Vector3::z()))
 }
 

@@ -167,14 +167,8 @@ impl<'a> PictureMessage<'a> {
             }
         };
         // Colours of 8 bits are taken as encoded for screens; mono values are those of the sensor.
-        let plain = Plain {
-            big_endian,
-            channels,
-            is_bgr,
-            mosaic,
-            is_encoded: channels > 1 && number == Number::U8,
-            ..Plain::new(kind, (width as usize, rows), Places::Listed(vec![0]), number)
-        };
-        Ok((plain, packed))
+        let is_encoded = channels > 1 && number == Number::U8;
+        let plain = Plain::new(kind, (width as usize, rows), Places::Listed(vec![0]), number);
+        Ok((Plain { big_endian, channels, is_bgr, mosaic, is_encoded, ..plain }, packed))
     }
 }

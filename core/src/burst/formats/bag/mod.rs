@@ -11,9 +11,8 @@ mod segment;
 use super::picture::{self, Source};
 use super::{Format, Input, Rank, Record, Start};
 use crate::burst::options::{Limits, OpenOptions};
-use crate::burst::reading::confined::wire::Part;
 use crate::burst::reading::{Declared, Expected, RawFrame, Reading, Ticker};
-use crate::burst::times::Times;
+use crate::burst::{reading::confined::wire::Part, times::Times};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::{self, path_text, read_bytes};
 use crate::monitor::Monitor;
@@ -329,8 +328,7 @@ impl<'a> Topic<'a> {
         let (segment, first) = first.ok_or_else(|| self.parts[0].0.wrong("the topic has no message"))?;
         let (path, kind, limits) = (&segment.path, segment.form.name(), &options.limits);
         // One message is looked at ahead of the frames: it is no progress.
-        let quiet = Monitor::default();
-        let header = segment.each(&[*first], UNCHECKED, &Ticker::new(&quiet, 1), |_, message| {
+        let header = segment.each(&[*first], UNCHECKED, &Ticker::new(&Monitor::default(), 1), |_, message| {
             let picture = self.picture(segment, message)?;
             let header = match self.format(segment, &picture)? {
                 Some(format) => {

@@ -39,8 +39,7 @@ fn time_ns([s, ns]: [u32; 2]) -> u64 {
 
 pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &mut Contents) -> io::Result<()> {
     if chunk == 0 && scan.array::<4>()? != VERSION {
-        let reason = "its version is not 2.0; record it again";
-        return Err(io::Error::new(io::ErrorKind::Unsupported, reason));
+        return Err(io::Error::new(io::ErrorKind::Unsupported, "its version is not 2.0; record it again"));
     }
     // Each chunk is named in a record at the end of a bag that was closed.
     let (mut announced, mut named) = (0, 0);
@@ -110,8 +109,7 @@ pub(super) fn entry(scan: &mut Scan<'_, impl Read + Seek>) -> io::Result<(u64, u
 
 /// Length of the next record's message, bytes; moves `scan` to the message's first byte.
 pub(super) fn message(scan: &mut Scan<'_, impl Read + Seek>) -> io::Result<u64> {
-    let header = scan.field()?;
-    if field(&header, "op") != Some(&[2]) {
+    if field(&scan.field()?, "op") != Some(&[2]) {
         return Err(corrupt("a list of messages names a place where there is none"));
     }
     scan.u32().map(u64::from)

@@ -3,10 +3,9 @@
 
 use super::records::{Channel, Checksum, Chunk, Contents, List, Message, Metered, Scan, Work, corrupt};
 use super::{Form, mcap, ros1, rows};
-use crate::burst::options::Limits;
 use crate::burst::reading::{Ticker, in_order};
 use crate::error::{Error, ErrorKind, Result};
-use crate::{files, monitor::Cancelled, plane::memory};
+use crate::{burst::options::Limits, files, monitor::Cancelled, plane::memory};
 use ruzstd::decoding::{FrameDecoder, StreamingDecoder};
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};

@@ -1,8 +1,7 @@
 //! Pictures whose decoding is cancelled midway.
 
 use super::*;
-use crate::burst::reading::Ticker;
-use crate::monitor::Monitor;
+use crate::{burst::reading::Ticker, monitor::Monitor};
 use image::RgbImage;
 use std::cell::Cell;
 

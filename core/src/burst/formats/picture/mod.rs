@@ -11,10 +11,9 @@ use crate::burst::reading::pixels::{Curve, Sample, grey_from_interleaved, turned
 use crate::burst::reading::{
     Asked, Declared, FileScale, RawFrame, Reading, corrupt, exif, frame_of_plane, read_at, too_few_bytes,
 };
-use crate::burst::times::Times;
 use crate::error::{Error, Result};
-use crate::files::read_bytes;
 use crate::plane::{Plane, memory};
+use crate::{burst::times::Times, files::read_bytes};
 use image::codecs::{png::PngDecoder, webp::WebPDecoder};
 use image::error::{DecodingError, ImageFormatHint, LimitError, LimitErrorKind};
 use image::metadata::Orientation;
@@ -207,8 +206,7 @@ fn frame_of(reading: Reading<'_>, source: Source<'_, impl BufRead + Seek>) -> Re
     if confined::takes(taken) {
         // Its memory is given back before another process takes as much.
         drop(decoder);
-        let budget = Budget::new(length, pixels, 2 * taken);
-        return confined::decode(reading, name(format), part, budget);
+        return confined::decode(reading, name(format), part, Budget::new(length, pixels, 2 * taken));
     }
     memory::check_room(taken);
     // The strict decoder first: the lenient one below serves damage that is accepted.

@@ -34,8 +34,7 @@ impl Described {
         let count = product(&axes);
         let page = |number| (number < pages).then_some(Page { file: None, number });
         // The announced number may be absurd: places beyond twice the pages take no memory.
-        let pages = (0..count.min(pages.saturating_mul(2))).map(page).collect();
-        Self { axes, pages, said: Vec::new() }
+        Self { axes, pages: (0..count.min(pages.saturating_mul(2))).map(page).collect(), said: Vec::new() }
     }
 }
 
@@ -183,8 +182,7 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
         let length = number(pixels, &format!("Size{axis}"), None)?;
         // The colours of a page are counted as channels too.
         let colours = channels.iter().sum::<usize>() == length && channels.iter().all(|colours| *colours > 1);
-        let length = if axis == 'C' && colours { channels.len() } else { length };
-        axes.push((axis, length));
+        axes.push((axis, if axis == 'C' && colours { channels.len() } else { length }));
     }
     let count = product(&axes);
     if axes.iter().any(|(_, length)| *length == 0) || count > MAX_PLANES {

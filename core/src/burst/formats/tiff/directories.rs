@@ -4,8 +4,7 @@
 //! trusts the count allocates memory for four thousand million values of a file of two hundred bytes. Here every count
 //! is compared with the file's length; whether the values are there, the decoders see.
 
-use super::described::Axes;
-use super::sensor::Sensor;
+use super::{described::Axes, sensor::Sensor};
 use crate::burst::formats::{Start, has_extension};
 use crate::burst::reading::{corrupt, read_at};
 use crate::burst::times::Times;

@@ -241,8 +241,7 @@ impl Pages {
         let plain = behind.map(|_| {
             let whole = turned_size(size, orientation);
             let plain = page::plain(&mut decoder, (path, length), (pages as u64, whole), limits)?;
-            let place = |page: &Page| plain.places.at(page.number);
-            let places = chosen.pages.iter().map(place).collect();
+            let places = chosen.pages.iter().map(|page| plain.places.at(page.number)).collect();
             if times.seconds.len() == pages {
                 times.seconds = chosen.pages.iter().map(|page| times.seconds[page.number]).collect();
             }

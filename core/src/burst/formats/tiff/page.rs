@@ -6,12 +6,11 @@
 
 use super::described::{Described, PageShape, described, product};
 use super::{FileDecoder, NAME, decoder, failure, no_data, orientation};
-use crate::burst::formats::picture::jpeg;
-use crate::burst::number::Number;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::burst::reading::confined::{self, Budget, wire::Part};
 use crate::burst::reading::pixels::{Curve, Sample, grey_from_interleaved, grey_from_planes, turned, turned_mosaic};
 use crate::burst::reading::{FileScale, RawFrame, Reading, corrupt, frame_of_plane, plain::Plain};
+use crate::burst::{formats::picture::jpeg, number::Number};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::plane::{Plane, memory};
@@ -30,8 +29,7 @@ fn unpacked_bytes(packed: &[u8], most: u64) -> Result<u64, String> {
     loop {
         let before = (state.total_in(), state.total_out());
         let status = state.decompress(&packed[before.0 as usize..], &mut block, FlushDecompress::None);
-        let status = status.map_err(|e| format!("its deflated data: {e}"))?;
-        match status {
+        match status.map_err(|e| format!("its deflated data: {e}"))? {
             _ if state.total_out() > most => return Err("its deflated data is far more than its pixels".to_owned()),
             Status::StreamEnd => return Ok(state.total_out()),
             _ if (state.total_in(), state.total_out()) == before => {
@@ -176,8 +174,7 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &O
     let unsupported = |reason: String| Error::unsupported(path, NAME, reason);
     let (width, height) = decoder.dimensions().map_err(fail)?;
     let size = (width as usize, height as usize);
-    let color = decoder.colortype().map_err(fail)?;
-    let channels = channels_of(color).map_err(unsupported)?;
+    let channels = channels_of(decoder.colortype().map_err(fail)?).map_err(unsupported)?;
     let orientation = orientation(decoder);
     let has_no_data = no_data(decoder);
     let (mut samples, kind, planar) = read_samples(decoder, size, channels).map_err(fail)?;

@@ -8,9 +8,8 @@ pub mod serve;
 pub mod wire;
 
 use super::{RawFrame, Reading};
-use crate::burst::options::OpenOptions;
 use crate::error::{Error, ErrorKind, Result};
-use crate::monitor::Monitor;
+use crate::{burst::options::OpenOptions, monitor::Monitor};
 use std::ffi::OsString;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -92,9 +91,8 @@ pub fn decode(reading: Reading<'_>, kind: &'static str, part: Part, budget: Budg
         memory_bytes: budget.memory_bytes,
         cpu_seconds: budget.cpu_seconds,
     };
-    let clock = Duration::from_secs(budget.cpu_seconds.saturating_mul(CLOCK_FACTOR));
     let (mut stdin, mut stdout, stderr) = running.pipes();
-    let until = Instant::now() + clock;
+    let until = Instant::now() + Duration::from_secs(budget.cpu_seconds.saturating_mul(CLOCK_FACTOR));
     // Writing to a child that has already ended fails; its last output is read below.
     let ask = || send(&mut stdin, &request).and_then(|()| receive_reply(&mut stdout, path, &options.limits));
     let answer = running.watched(path, monitor, Some(until), ask)?;

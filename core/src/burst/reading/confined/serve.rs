@@ -4,10 +4,9 @@
 //! gives up the rest ([`confine`]): reading any other file, changing any, the network, other programs and processes.
 
 use super::wire::{DecodeRequest, Part, receive, send_reply};
-use crate::burst::options::OpenOptions;
 use crate::burst::reading::{Expected, RawFrame, Reading, Ticker};
 use crate::error::{Error, Result};
-use crate::monitor::Monitor;
+use crate::{burst::options::OpenOptions, monitor::Monitor};
 use std::io::{self, Read, Write};
 use std::path::Path;
 
@@ -42,8 +41,7 @@ fn answer(path: &Path, request: &DecodeRequest, decode: fn(Reading<'_>, Part) ->
     let options = OpenOptions { limits: request.limits, ..request.options.clone() };
     let expected = request.expected.as_ref().map(|(first, size)| Expected { first: Path::new(first), size: *size });
     let quiet = Monitor::default();
-    let reading = Reading { path, expected, options: &options, ticker: &Ticker::new(&quiet, 1) };
-    decode(reading, request.part)
+    decode(Reading { path, expected, options: &options, ticker: &Ticker::new(&quiet, 1) }, request.part)
 }
 
 /// Limits this process: memory that it may address (bytes), processor time (seconds), and no file may grow.

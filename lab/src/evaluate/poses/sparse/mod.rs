@@ -81,8 +81,7 @@ impl SparseModel {
         // Poses follow the ids, in whatever order the file has them.
         images.sort_by_key(|i| i.id);
         if let Some(pair) = images.windows(2).find(|pair| pair[0].id == pair[1].id) {
-            let problem = format!("there are two images of the id {}", pair[0].id);
-            return Err(corrupt(name, "images", problem));
+            return Err(corrupt(name, "images", format!("there are two images of the id {}", pair[0].id)));
         }
         Ok(Self { folder: name.into(), images, points, other_models: 0 })
     }
