@@ -76,13 +76,26 @@ pub fn read_bytes(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads the regular file `path` as UTF-8 text, at most `max_bytes` bytes.
+/// Reads the regular file `path` as text, at most `max_bytes` bytes: UTF-8, or UTF-16 that begins with a mark.
 ///
 /// # Errors
-/// As [`read_bytes`], and [`io::ErrorKind::InvalidData`] for bytes that are not UTF-8.
+/// As [`read_bytes`], and [`io::ErrorKind::InvalidData`] for bytes that are neither.
 pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
-    String::from_utf8(read_bytes(path, max_bytes)?)
-        .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "this is not text; save it as UTF-8"))
+    let bytes = read_bytes(path, max_bytes)?;
+    let text = of_utf16(&bytes).map_or_else(|| String::from_utf8(bytes), Ok);
+    text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "this is not text; save it as UTF-8"))
+}
+
+/// Text of UTF-16 with a mark of its byte order, as shells and spreadsheets on Windows write it; `None` for others.
+pub fn of_utf16(bytes: &[u8]) -> Option<String> {
+    let (mark, units) = bytes.split_first_chunk::<2>()?;
+    let unit = match mark {
+        [0xff, 0xfe] => u16::from_le_bytes,
+        [0xfe, 0xff] => u16::from_be_bytes,
+        _ => return None,
+    };
+    let units: Vec<u16> = units.as_chunks::<2>().0.iter().map(|pair| unit(*pair)).collect();
+    String::from_utf16(&units).ok()
 }
 
 /// Largest whole number that files of parameters, sessions and cases keep: TOML has no larger one.

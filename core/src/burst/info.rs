@@ -215,20 +215,24 @@ impl Info {
     }
 
     fn times(&self) -> String {
-        let begins = self.begins.as_ref().map_or(String::new(), |begins| format!("from {begins}"));
+        let found = Positions::new(&self.positions).filter(|_| !self.positions.is_empty());
+        let in_all_s = found.as_ref().zip(self.interval_s).map(|(found, interval)| found.span() * interval);
+        // Times of names or of a list that the user chose need not be those of the headers.
+        let are_headers = self.times_s.last().is_some_and(|last| {
+            !self.are_times_used || in_all_s.is_none_or(|in_all| (in_all - last).abs() <= 1e-3 * in_all)
+        });
+        let begins = self.begins.as_ref().filter(|_| are_headers || self.times_s.is_empty());
+        let begins = begins.map(|begins| format!("from {begins}"));
         let steps: Vec<f64> = self.times_s.windows(2).map(|two| two[1] - two[0]).collect();
-        let of_files = self.times_s.last().filter(|_| !steps.is_empty()).map(|last| {
+        let of_files = self.times_s.last().filter(|_| are_headers && !steps.is_empty()).map(|last| {
             let range = steps.iter().fold((f64::MAX, f64::MIN), |(min, max), step| (min.min(*step), max.max(*step)));
             let mean = last / steps.len() as f64;
             format!("{last:.3} s in all, {mean:.6} s between frames ({:.6} … {:.6})", range.0, range.1)
         });
-        let found = Positions::new(&self.positions).filter(|_| !self.positions.is_empty());
-        let elsewhere = found.as_ref().and_then(|found| {
-            let interval = self.interval_s.filter(|_| self.times_s.is_empty())?;
-            Some(format!("{:.3} s in all, an interval of {interval:.6} s", found.span() * interval))
-        });
+        let elsewhere = in_all_s.zip(self.interval_s).filter(|_| !are_headers);
+        let elsewhere =
+            elsewhere.map(|(in_all, interval)| format!("{in_all:.3} s in all, an interval of {interval:.6} s"));
         let gap = found.filter(|found| !found.is_even()).map(|found| found.unevenness());
-        let begins = Some(begins).filter(|begins| !begins.is_empty());
         let parts: Vec<String> = [begins, of_files, elsewhere, gap].into_iter().flatten().collect();
         if parts.is_empty() { "not in the file".to_owned() } else { parts.join(", ") }
     }

@@ -9,7 +9,8 @@ use super::times::{
 };
 use super::{formats, layout::TimesChoice, options::OpenOptions};
 use crate::error::{Error, ErrorKind, Result};
-use crate::{files::read_bytes, monitor::Monitor};
+use crate::files::{of_utf16, read_bytes};
+use crate::monitor::Monitor;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::{cmp::Ordering, ops::Range};
@@ -524,7 +525,8 @@ fn read_list(path: &Path, frames: &[String]) -> Result<List> {
     }
     let bytes = read_bytes(path, MAX_LIST_BYTES).map_err(|e| Error::from_io(path, &e))?;
     let wrong = |problem| Error::new(ErrorKind::Unsupported, format!("times: {problem}"), "").about(path);
-    List::read(&String::from_utf8_lossy(&bytes), frames).map_err(wrong)
+    let text = of_utf16(&bytes).unwrap_or_else(|| String::from_utf8_lossy(&bytes).into_owned());
+    List::read(&text, frames).map_err(wrong)
 }
 
 /// Row of `list` for each of the `count` frames: by folder and name, or in order, from the start of `part` on.

@@ -25,7 +25,7 @@ impl Format for Film {
     fn record(&self) -> Record {
         let extensions = &["mp4", "mkv", "avi", "mov", "webm", "mpg", "gif"];
         let opens = "decoded by the `ffmpeg` in `PATH`, with all bits of grey films (FFV1, 16 bit) and at the times that frames are shown; luma as it is stored, and of RGB films and GIFs that of their colours; what `ffmpeg` says of a film is an error with its words";
-        let options = "without `ffmpeg` the error says the command";
+        let options = "`--array 1` for the second of several tracks; without `ffmpeg` the error says the command";
         Record { name: KIND, rank: Rank::Other, extensions, opens, options }
     }
 
@@ -41,7 +41,8 @@ impl Format for Film {
         let Reading { path, options, ticker, .. } = reading;
         let monitor = ticker.monitor();
         let whole = &options.of_whole();
-        let mut times = run(path, (&LIST, usize::MAX), options, monitor, |reader| times(path, reader, whole))?;
+        let (mut times, tracks) =
+            run(path, (&LIST, usize::MAX), options, monitor, |reader| times(path, reader, whole))?;
         let film = run_frames(reading, 1, |reader, is_ppm| Piped::read(path, reader, is_ppm))?;
         let size = film.plain(0).size;
         let (width, height) = (size.0 as u64, size.1 as u64);
@@ -49,7 +50,9 @@ impl Format for Film {
         times.seconds = options.taken(path, times.seconds, size)?;
         options.limits.check_burst(path, times.seconds.len() as u64, width, height)?;
         let plain = film.plain(times.seconds.len());
-        Ok(Declared { kind: KIND, times, ..plain.declared() })
+        let several = || format!("of {tracks} tracks number {} is taken; --array takes another", track(options));
+        let taken = (tracks > 1).then(several).into_iter().collect();
+        Ok(Declared { kind: KIND, times, taken, ..plain.declared() })
     }
 
     fn frames(&self, _input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
@@ -117,7 +120,13 @@ const COLOURS: &str = "rgb24|rgb48be";
 const FRAMES: [&str; 3] = ["-fps_mode", "passthrough", "-vf"];
 const AS_Y4M: [&str; 5] = ["-strict", "-1", "-f", "yuv4mpegpipe", "pipe:1"];
 const AS_PPM: [&str; 5] = ["-c:v", "ppm", "-f", "image2pipe", "pipe:1"];
-const LIST: [&str; 5] = ["-c", "copy", "-f", "framecrc", "pipe:1"];
+/// Arguments that list the packets of the track taken, and behind it those of all tracks that are no covers.
+const LIST: [&str; 7] = ["-map", "0:V?", "-c", "copy", "-f", "framecrc", "pipe:1"];
+
+/// Number of the track of pictures that the user asks for, as cameras of depth record several.
+fn track(options: &OpenOptions) -> &str {
+    options.array.as_deref().unwrap_or("0")
+}
 
 /// The `ffmpeg` that is found first in `PATH`.
 pub(crate) fn ffmpeg() -> Option<PathBuf> {
@@ -180,7 +189,12 @@ fn run_once<T>(
         command.arg("-xerror");
     }
     command.args(["-format_whitelist", container, "-f", container, "-i"]).arg(input);
-    command.args(["-map", "0:v:0"]);
+    if track(options).parse::<u8>().is_err() {
+        let problem = format!("this film has no track '{:.200}'", track(options));
+        return Err(Error::new(ErrorKind::Mismatch, problem, "say its number from 0 on with --array").about(path));
+    }
+    // A capital V leaves covers out.
+    command.args(["-map", &format!("0:V:{}", track(options))]);
     if most < usize::MAX {
         command.args(["-frames:v", &most.to_string()]);
     }
@@ -322,16 +336,18 @@ impl Piped {
     }
 }
 
-/// Times in a list of frames, each a line: number of the stream, two times, duration, length and checksum.
-fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result<Times> {
-    let (mut unit_s, mut seconds) = (1.0, Vec::new());
+/// Times in a list of frames, each a line: number of the stream, two times, duration, length and checksum; and the
+/// number of tracks of pictures.
+fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result<(Times, usize)> {
+    let (mut unit_s, mut seconds, mut streams) = (1.0, Vec::new(), 0);
     for line in reader.take(1 << 26).lines() {
         let line = line.map_err(|e| Error::from_read(path, KIND, &e))?;
+        streams += usize::from(line.starts_with("#tb "));
         if let Some(unit) = line.strip_prefix("#tb 0:") {
             let parts =
                 unit.trim().split_once('/').and_then(|(a, b)| Some((a.parse::<f64>().ok()?, b.parse::<f64>().ok()?)));
             unit_s = parts.filter(|(_, b)| *b > 0.0).map_or(1.0, |(a, b)| a / b);
-        } else if !line.starts_with('#') {
+        } else if !line.starts_with('#') && line.split(',').next().is_some_and(|stream| stream.trim() == "0") {
             // What an edit list cuts off is decoded for the rest, and not shown.
             const DISCARDED: u32 = 4;
             let flags = line.rsplit_once("F=0x").and_then(|(_, flags)| u32::from_str_radix(flags.trim(), 16).ok());
@@ -347,7 +363,7 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
     seconds.sort_by(f64::total_cmp);
     let first = *seconds.first().ok_or_else(|| Error::corrupt(path, KIND, "ffmpeg finds no frame in it"))?;
     seconds.iter_mut().for_each(|time| *time -= first);
-    Ok(Times { seconds, is_absolute: false })
+    Ok((Times { seconds, is_absolute: false }, streams.saturating_sub(1)))
 }
 
 #[cfg(test)]
@@ -362,9 +378,10 @@ mod tests {
 
     #[test]
     fn lists_of_frames_are_in_the_order_of_their_times() {
-        let list = "#software: Lavf\n#tb 0: 1/25\n#media_type 0: video\n0, 0, 2, 1, 90, 0x1\n0, 1, 4, 1, 90, 0x2\n0, 2, 3, 1, 9, 0x3\n";
+        let list = "#software: Lavf\n#tb 0: 1/25\n#media_type 0: video\n#tb 1: 1/25\n#tb 2: 1/9\n0, 0, 2, 1, 90, 0x1\n2, 0, 0, 1, 8, 0x0\n0, 1, 4, 1, 90, 0x2\n0, 2, 3, 1, 9, 0x3\n";
         let read = |text: &str| times(Path::new("a.mp4"), &mut text.as_bytes(), &OpenOptions::default());
-        let seconds = read(list).expect("times").seconds;
+        let (Times { seconds, .. }, tracks) = read(list).expect("times");
+        assert_eq!(tracks, 2);
         assert!(
             seconds.iter().zip([0.0, 0.04, 0.08]).all(|(found, expected)| (found - expected).abs() < 1e-12),
             "{seconds:?}"

@@ -14,7 +14,7 @@ use crate::burst::times::{Times, seconds_of};
 use crate::error::{Error, ErrorKind, Result};
 use fitsio_pure::header::{Card, parse_card};
 use fitsio_pure::value::Value;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::{fs::File, path::Path};
 
 const KIND: &str = "FITS";
@@ -320,6 +320,11 @@ fn chosen(path: &Path, input: &Input, options: &OpenOptions) -> Result<(Unit, us
     // Units follow one another by their declared lengths, in a damaged file perhaps without end.
     for _ in 0..MAX_UNITS {
         reader.seek(SeekFrom::Start(at)).map_err(fail)?;
+        let start = reader.fill_buf().map_err(fail)?;
+        // Behind the last unit the standard allows records of any kind; a file that was made in one piece ends with 0.
+        if at > 0 && !["XTENSION", "SIMPLE  "].iter().any(|begins| start.starts_with(begins.as_bytes())) {
+            break;
+        }
         let unit = Unit::read(path, &mut reader)?;
         at = unit.data.saturating_add(unit.bytes).checked_next_multiple_of(BLOCK_BYTES).unwrap_or(u64::MAX);
         if unit.is_image() {

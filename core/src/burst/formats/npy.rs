@@ -169,7 +169,10 @@ impl ArrayHeader {
             .is_sorted();
         let scattered = indices.iter().map(|(index, length)| (*index, *length as usize));
         let scattered = if is_in_order { Vec::new() } else { scattered.collect() };
-        let (views, taken) = (of_views.map(|(grid, _)| grid), taken.into_iter().collect());
+        // A program that saves frame after frame into one file leaves an array for each.
+        let end = step.saturating_mul(frames).saturating_add(self.data_offset);
+        let behind = (length > end).then(|| format!("behind the array lie {} bytes that are not read", length - end));
+        let (views, taken) = (of_views.map(|(grid, _)| grid), taken.into_iter().chain(behind).collect());
         let is_encoded = channels > 1 && number == Number::U8;
         let plain = Plain::new(kind, (width as usize, height as usize), places, number);
         Ok(Plain { big_endian, channels: channels as usize, is_encoded, views, taken, scattered, ..plain })

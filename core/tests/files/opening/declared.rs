@@ -89,6 +89,27 @@ fn descriptions_in_any_form_are_understood() {
 }
 
 #[test]
+fn channels_and_depths_of_microscopes_are_not_time() {
+    let scanimage = "scanimage.SI.hChannels.channelSave = [1;2]\nscanimage.SI.hStackManager.enable = false\n";
+    let fast = "SI.hChannels.channelSave = 1\nSI.hFastZ.enable = 1\nSI.hFastZ.numFramesPerVolume = 2\n";
+    let slow = "SI.hChannels.channelSave = 2\nSI.hStackManager.enable = 1\nSI.hStackManager.numSlices = 2\n";
+    for (description, asked, axis, pages) in [
+        (scanimage, "3 times (T) × 2 channels (C)", "T,C=1", [1, 3, 5]),
+        ("scanimage.SI5.channelsSave = [1;2]\n", "3 times (T) × 2 channels (C)", "T", [0, 2, 4]),
+        ("state.acq.numberOfChannelsSave=2\rstate.acq.zoomFactor=1\r", "3 times (T)", "T", [0, 2, 4]),
+        (fast, "3 times (T) × 2 depths (Z)", "T,Z=1", [1, 3, 5]),
+        (slow, "2 depths (Z) × 3 times (T)", "T,Z=1", [3, 4, 5]),
+    ] {
+        let file = Made::tiff("a.tif", 6, description);
+        says(file.refusal(""), &[asked, "--axis T"]);
+        assert_eq!(file.pages(&format!("axis {axis}")), pages, "{description}");
+    }
+    let channels = Made::tiff("q.tif", 3, "<?xml version=\"1.0\"?><PerkinElmer-QPI-ImageDescription/>");
+    says(channels.refusal(""), &["3 channels (C)"]);
+    assert_eq!(Made::tiff("one.tif", 3, "SI.hChannels.channelSave = 4\n").pages(""), [0, 1, 2]);
+}
+
+#[test]
 fn what_does_not_fit_or_cannot_be_understood_is_an_error_with_a_way_out() {
     let page_elsewhere = "<TiffData FirstC=\"2\" IFD=\"0\"/>";
     for description in [
@@ -280,6 +301,14 @@ fn pictures_behind_the_first_of_a_file_are_told() {
     let three = Made::new("three.pgm", &one.repeat(3));
     assert!(three.info(&given("")).text().contains("as long as 3 pictures, of which the first is taken"));
     assert!(three.open(&given("")).expect("opens").taken.iter().any(|note| note.contains("3 pictures")));
+    let array = super::crafted::npy("6, 8", &[7; 48]);
+    assert!(Made::new("one.npy", &array).info(&given("")).taken.iter().all(|note| !note.contains("behind")));
+    let two = Made::new("two.npy", &array.repeat(2)).info(&given(""));
+    says(two.text(), &[&format!("behind the array lie {} bytes that are not read", array.len())]);
+    // A file of one piece may end with anything.
+    let cards = [&FITS[..], &["NAXIS1  =                    8", "NAXIS2  =                    6"]].concat();
+    let preallocated = [fits(&cards, 48), vec![0; 3 * 2880]].concat();
+    assert_eq!(Made::new("p.fits", &preallocated).open(&given("")).expect("opens").size(), (8, 6));
 }
 
 #[test]

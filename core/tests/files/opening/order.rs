@@ -141,11 +141,11 @@ fn a_name_without_number_stands_before_its_copies() {
 }
 
 /// Opens five frames by a list beside them: positions, seconds of an interval, and notes.
-fn listed(list: &str) -> Result<(Vec<f64>, f64, String), Error> {
+fn listed(list: impl AsRef<[u8]>) -> Result<(Vec<f64>, f64, String), Error> {
     let home = frames(&["00000.png", "00001.png", "00002.png", "00003.png", "00004.png"]);
-    fs::write(home.join("t.txt"), list).expect("written");
+    fs::write(home.join("t.txt"), &list).expect("written");
     let burst = open_with(&home, &options("t.txt", ""))?;
-    assert!(burst.frame_names.is_sorted(), "{list}: {:?}", burst.frame_names);
+    assert!(burst.frame_names.is_sorted(), "{}: {:?}", String::from_utf8_lossy(list.as_ref()), burst.frame_names);
     Ok((burst.positions.since_first(), burst.positions.interval_s().unwrap_or_default(), burst.taken.join("; ")))
 }
 
@@ -205,6 +205,11 @@ fn lists_of_loggers_spreadsheets_and_subtitles_are_read() {
     // A list that goes on behind midnight.
     let list = "23:59:59.90\n23:59:59.95\n00:00:00.00\n00:00:00.05\n00:00:00.10\n";
     assert_eq!(listed(list).expect("a burst").0, [0.0, 1.0, 2.0, 3.0, 4.0]);
+    // As shells on Windows write what a program prints.
+    for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
+        let list: Vec<u8> = format!("\u{feff}{list}").encode_utf16().flat_map(bytes).collect();
+        assert_eq!(listed(list).expect("a burst").0, [0.0, 1.0, 2.0, 3.0, 4.0]);
+    }
 }
 
 #[test]

@@ -483,6 +483,23 @@ fn films_are_decoded_by_ffmpeg_with_all_bits() {
     let burst = Burst::open_with(&[path], &plain(), &quiet()).expect("opens");
     assert_eq!((burst.len(), burst.size()), (3, (16, 12)));
     assert!(burst.frames.iter().all(|frame| frame.data().iter().all(|v| (v - 0.2126).abs() < 0.001)));
+    // A camera of depth records a track for each of its pictures; a cover is none.
+    let (_home, path) = folder_with("tracks.mkv");
+    let other = "color=white:size=24x20:rate=5:duration=0.4";
+    let arguments = ["-v", "error", "-f", "lavfi", "-i", source, "-f", "lavfi", "-i", other];
+    let arguments = [&arguments[..], &["-map", "0", "-map", "1", "-c:v", "ffv1"]].concat();
+    let made = std::process::Command::new("ffmpeg").args(arguments).arg(&path).status().expect("ffmpeg runs");
+    assert!(made.success());
+    for (track, size, frames) in [(None, (16, 12), 3), (Some("1"), (24, 20), 2)] {
+        let options = track.map_or_else(plain, array);
+        let info = Info::of(std::slice::from_ref(&path), &options, &quiet()).expect("described");
+        says(info.text(), &["of 2 tracks number", track.unwrap_or("0")]);
+        let burst = Burst::open_with(std::slice::from_ref(&path), &options, &quiet()).expect("opens");
+        assert_eq!((info.frames, burst.len(), burst.size()), (frames, frames, size));
+    }
+    for track in ["7", "left"] {
+        assert!(Burst::open_with(std::slice::from_ref(&path), &array(track), &quiet()).is_err(), "{track}");
+    }
     let cut = sample!("grey16.mkv");
     assert!(Made::new("cut.mkv", &cut[..cut.len() / 2]).failure(&plain()).contains("and says"));
 }

@@ -1,5 +1,5 @@
-//! Axes of a TIFF's pages: from its description (OME's XML, ImageJ's lines, tifffile's JSON), or from tags of
-//! microscopes (LSM). Places without a page are reported; a description that cannot be understood is an error.
+//! Axes of a TIFF's pages from its description: OME's XML, ImageJ's lines, tifffile's JSON (others: `microscope`).
+//! Places without a page are reported; a description that cannot be understood is an error.
 
 use crate::files::read_text;
 use roxmltree::{Document, Node, ParsingOptions};
@@ -60,8 +60,17 @@ pub(super) fn described(
     } else {
         None
     };
+    found.map_or(Ok(None), |axes| fitting(axes, pages))
+}
+
+/// Pages in file order along `axes`. A length of 0 is as many as the pages need.
+pub(super) fn fitting(mut axes: Axes, pages: usize) -> Result<Option<Described>, (String, String)> {
+    let known = product(&axes.iter().copied().filter(|(_, length)| *length > 0).collect::<Axes>());
+    axes.iter_mut().filter(|(_, length)| *length == 0).for_each(|(_, length)| *length = pages.div_ceil(known));
     // A description of one page is silent about the others, which may have their own.
-    let Some(axes) = found.filter(|axes| product(axes) > 1) else { return Ok(None) };
+    if product(&axes) <= 1 {
+        return Ok(None);
+    }
     if product(&axes) < pages {
         let problem = format!("the description of this file tells of {}, and it has {pages} pages", words(&axes));
         return Err((problem, String::new()));

@@ -3,6 +3,7 @@
 mod axes;
 mod described;
 pub(super) mod directories;
+mod microscope;
 mod page;
 mod sensor;
 
@@ -16,7 +17,7 @@ use crate::burst::reading::{Asked, Declared, Expected, RawFrame, Reading, exif, 
 use crate::burst::{layout::Mosaic, times::Times};
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
-use described::{Axes, Described, Page};
+use described::{Described, Page};
 use directories::Directories;
 use image::metadata::Orientation;
 use page::PageReader;
@@ -31,7 +32,7 @@ pub(super) struct Tiff;
 
 impl Format for Tiff {
     fn record(&self) -> Record {
-        let opens = "pages of 8 to 64 bits, integers or floats, grey or RGB, BigTIFF too; of the axes of ImageJ, OME (in the order of its TiffData, also of a set of files), Micro-Manager, LSM, STK and tifffile only time makes frames: depths and channels, and descriptions that do not fit, are an error; frames behind one another of which one directory tells";
+        let opens = "pages of 8 to 64 bits, integers or floats, grey or RGB, BigTIFF too; of the axes of ImageJ, OME (in the order of its TiffData, also of a set of files), Micro-Manager, ScanImage, LSM, FluoView, STK, QPTIFF and tifffile only time makes frames: depths and channels, and descriptions that do not fit, are an error; frames behind one another of which one directory tells";
         let options = "`--axis Z`, `--axis T,C=1` to choose, `--axis first` for all pages, `--array NAME` for one of several images";
         Record { name: NAME, rank: Rank::Picture, extensions: &["tif", "tiff", "stk", "lsm"], opens, options }
     }
@@ -192,7 +193,8 @@ impl Pages {
         let channels = page::channels_of(color).map_err(|reason| Error::unsupported(path, NAME, reason))?;
         let shape = [rows as usize, columns as usize, channels];
         let orientation = orientation(&mut decoder);
-        let (of_microscope, nothing) = (axes_of_lsm(&mut decoder), no_data(&mut decoder));
+        let of_microscope = microscope::axes(&mut decoder, description.as_deref().unwrap_or_default());
+        let nothing = no_data(&mut decoder);
         let (mut size, mut list) = (None, Vec::new());
         for page in 0.. {
             if !is_thumbnail(&mut decoder) {
@@ -229,7 +231,7 @@ impl Pages {
         let pages = behind.as_ref().map_or(list.len(), |behind| behind.pages.len());
         let described = match (&behind, &of_microscope) {
             (Some(behind), _) => Ok(Some(behind.clone())),
-            (_, Some(axes)) if described::product(axes) == pages => Ok(Some(Described::in_order(axes.clone(), pages))),
+            (_, Some(axes)) if pages > 1 => described::fitting(axes.clone(), pages),
             _ if pages == 1 && description.as_deref().is_none_or(|text| !text.contains("OME")) => Ok(None),
             _ => match &description {
                 Some(text) => described::described(text, path, (pages, shape), options.array.as_deref()),
@@ -266,16 +268,6 @@ impl Pages {
         taken.extend(nothing.map(|value| format!("the value {value} is no data (GDAL_NODATA), and is masked")));
         Ok(Self { size, orientation, list, plain, samples, is_colour, mosaic, taken })
     }
-}
-
-/// Axes of an LSM file of Zeiss: its times and depths. Its channels are samples of a pixel.
-fn axes_of_lsm(decoder: &mut FileDecoder) -> Option<Axes> {
-    let bytes = decoder.find_tag(Tag::Unknown(34412)).ok().flatten()?.into_u8_vec().ok()?;
-    let number = |at: usize| {
-        let bytes = bytes.get(at..at + 4)?.try_into().ok()?;
-        usize::try_from(u32::from_le_bytes(bytes)).ok().filter(|length| *length > 0)
-    };
-    Some(vec![('T', number(24)?), ('Z', number(16)?)])
 }
 
 fn axes_of_volume(decoder: &mut FileDecoder) -> Option<Described> {
