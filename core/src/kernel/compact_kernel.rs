@@ -66,17 +66,25 @@ impl<'a> PixelView<'a> {
         Self { data: plane.data(), stride: plane.width(), size: plane.size(), left: 0, top: 0 }
     }
 
+    /// `count` pixels of row `v` from column `first` on; `None` where they are not all held.
+    #[inline(always)]
+    pub fn held(&self, v: i64, first: i64, count: usize) -> Option<&'a [f32]> {
+        let from = usize::try_from(first - self.left).ok()?;
+        self.row(v).get(from..from + count)
+    }
+
+    #[inline(always)]
+    fn row(&self, v: i64) -> &'a [f32] {
+        &self.data[(v - self.top).clamp(0, self.size.1 as i64 - 1) as usize * self.stride..][..self.size.0]
+    }
+
     #[inline(always)]
     pub fn line(&self, v: i64, first: i64, out: &mut [f32]) {
-        let (width, height) = (self.size.0 as i64, self.size.1 as i64);
-        let row = &self.data[(v - self.top).clamp(0, height - 1) as usize * self.stride..][..self.size.0];
-        let first = first - self.left;
-        if first >= 0 && first + out.len() as i64 <= width {
-            out.copy_from_slice(&row[first as usize..first as usize + out.len()]);
-        } else {
-            for (i, out) in out.iter_mut().enumerate() {
-                *out = row[(first + i as i64).clamp(0, width - 1) as usize];
-            }
+        if let Some(row) = self.held(v, first, out.len()) {
+            return out.copy_from_slice(row);
+        }
+        for (out, at) in out.iter_mut().zip(first - self.left..) {
+            *out = self.row(v)[at.clamp(0, self.size.0 as i64 - 1) as usize];
         }
     }
 }

@@ -33,13 +33,8 @@ impl JetPixels {
         self.first = (middle.0 - radius as i64, middle.1 - radius as i64);
         let count = 2 * radius + 1;
         self.stride = count.next_multiple_of(LANES);
-        self.lines.clear();
         self.lines.resize(self.stride * count, 0.0);
-        for (line, v) in self.lines.chunks_exact_mut(self.stride).zip(self.first.1..) {
-            let line = &mut line[..count];
-            pixels.line(v, self.first.0, line);
-            line.iter_mut().for_each(|x| *x -= local_mean);
-        }
+        read_less(pixels, self.first, local_mean, &mut self.lines, count);
     }
 
     /// Jets at the place (x, y) of the image under sampled Gaussians of the two `variances`, square pixels.
@@ -61,6 +56,23 @@ impl JetPixels {
             }
             jet
         })
+    }
+}
+
+/// Fills `count` rows of `lines` with as many pixels from `first` on less `mean`, and with 0 beyond them.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn read_less(pixels: &PixelView, first: (i64, i64), mean: f32, lines: &mut [f32], count: usize) {
+    let stride = lines.len() / count;
+    for (line, v) in lines.chunks_exact_mut(stride).zip(first.1..) {
+        let (line, padding) = line.split_at_mut(count);
+        match pixels.held(v, first.0, count) {
+            Some(from) => line.iter_mut().zip(from).for_each(|(out, x)| *out = x - mean),
+            None => {
+                pixels.line(v, first.0, line);
+                line.iter_mut().for_each(|x| *x -= mean);
+            }
+        }
+        padding.fill(0.0);
     }
 }
 

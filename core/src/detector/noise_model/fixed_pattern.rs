@@ -10,6 +10,7 @@ use super::contrast::Contrast;
 use super::high_pass::{FREE_VALUES, HighPass, around, quiet_variance};
 use super::reading::{BoxPyramid, Lines, REACH, Reading, less_local_mean};
 use crate::plane::Plane;
+use multiversion::multiversion;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -282,8 +283,12 @@ pub fn mask_struck(frames: &mut [Arc<Plane>], variance: f32, reach: usize) -> us
         };
         let candidates = |v: usize| {
             // Compared in place first: the search within `reach` is costly and rarely needed.
-            let rows = own.row(v).iter().zip(before.row(v)).zip(after.row(v)).enumerate();
-            rows.filter(|(_, ((x, a), b))| **x > a.max(**b) + STRIKES[0] * deviation).map(move |(u, _)| (u, v))
+            let rows = [own, before, after].map(|frame| frame.row(v));
+            let limit = STRIKES[0] * deviation;
+            let parts = (0..width).step_by(TOGETHER).map(move |u| u..(u + TOGETHER).min(width));
+            let parts = parts.filter(move |part| any_brighter(rows.map(|row| &row[part.clone()]), limit));
+            let is_brighter = move |u: &usize| rows[0][*u] > rows[1][*u].max(rows[2][*u]) + limit;
+            parts.flatten().filter(is_brighter).map(move |u| (u, v))
         };
         let mut struck: Vec<(usize, usize)> = Vec::new();
         for (u, v) in (0..height).flat_map(candidates) {
@@ -312,6 +317,20 @@ pub fn mask_struck(frames: &mut [Arc<Plane>], variance: f32, reach: usize) -> us
         mask(Arc::make_mut(frame), struck);
     }
     struck.iter().map(Vec::len).sum()
+}
+
+/// Number of pixels that [`any_brighter`] compares at once.
+const TOGETHER: usize = 128;
+
+/// Whether any pixel of the first row may be brighter than those of both others by more than `limit`.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn any_brighter([own, before, after]: [&[f32]; 3], limit: f32) -> bool {
+    // All lanes take part: an early end would be decided pixel by pixel. What is NaN in one frame is no limit.
+    let mut any = 0u32;
+    for ((x, a), b) in own.iter().zip(before).zip(after) {
+        any |= u32::from((*x > a + limit || a.is_nan()) & (*x > b + limit || b.is_nan()));
+    }
+    any != 0
 }
 
 /// Offsets of columns or rows, as far as they change within 16 of them.
