@@ -21,7 +21,7 @@ use crate::burst::Positions;
 use crate::detector::feature::Feature;
 use crate::export::motion_over;
 use egui::{Color32, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2};
-use strokes::Strokes;
+use strokes::{CROWD_WIDTH, Strokes};
 
 #[derive(Debug, Clone, Copy)]
 pub struct OverlayStyle<'a> {
@@ -73,8 +73,9 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
     let visible: Vec<usize> = (0..features.len()).filter(is_seen).collect();
     let opacity = if style.stale { 0.35 } else { 0.95 };
     let edges = visible.len() <= MAX_WITH_EDGE && !style.stale;
-    let count = visible.len() * if edges { 2 } else { 1 };
-    let mut strokes = Strokes::with_room_for(output.painter.pixels_per_point(), count);
+    let painter = &output.painter;
+    let is_crowd = visible.len() > MAX_WITH_EDGE;
+    let mut strokes = if is_crowd { Strokes::of_crowd(painter) } else { Strokes::new(painter.pixels_per_point()) };
     if style.motion && !style.stale {
         let coloured = visible.iter().map(|&i| (&features[i], style.scale.colour(i, &features[i])));
         fans::draw_fans(output, coloured, style.positions);
@@ -86,7 +87,7 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
     }
     for &i in &visible {
         let colour = style.scale.colour(i, &features[i]).gamma_multiply(opacity);
-        draw_one(&mut strokes, output.ui_from_image, &features[i], style, Stroke::new(1.4, colour));
+        draw_one(&mut strokes, output.ui_from_image, &features[i], style, Stroke::new(CROWD_WIDTH, colour));
     }
     // The hovered and the selected feature lie above all others.
     for (highlight, width) in [(style.hovered, 2.0), (style.selected, 2.6)] {

@@ -2,28 +2,32 @@
 //!
 //! One mesh for all spares egui the sorting and stroking of single shapes, and keeps a full window at display rate.
 
-use egui::{Color32, Mesh, Painter, Pos2, Shape, Vec2};
+use egui::{Color32, ColorImage, Context, Mesh, Painter, Pos2, Rect, Shape, TextureHandle, TextureOptions, Vec2, vec2};
+
+/// Width of the lines of a crowd, points.
+pub const CROWD_WIDTH: f32 = 1.4;
 
 pub struct Strokes {
     mesh: Mesh,
+    /// Circles of a crowd, below all lines.
+    rings: Option<Rings>,
     /// Width of the soft edge: one pixel of the screen, in points.
     feather: f32,
 }
 
 impl Strokes {
     pub fn new(pixels_per_point: f32) -> Self {
-        Self { mesh: Mesh::default(), feather: 1.0 / pixels_per_point }
+        Self { mesh: Mesh::default(), rings: None, feather: 1.0 / pixels_per_point }
     }
 
-    pub fn with_room_for(pixels_per_point: f32, count: usize) -> Self {
-        let mut strokes = Self::new(pixels_per_point);
-        strokes.mesh.reserve_vertices(100 * count);
-        strokes.mesh.reserve_triangles(130 * count);
-        strokes
+    /// Strokes of which a hundred thousand circles of [`CROWD_WIDTH`] are drawn within a frame.
+    pub fn of_crowd(painter: &Painter) -> Self {
+        Self { rings: Some(Rings::new(painter.ctx())), ..Self::new(painter.pixels_per_point()) }
     }
 
     pub fn paint(self, painter: &Painter) {
-        painter.add(Shape::mesh(self.mesh));
+        let meshes = self.rings.into_iter().map(|rings| rings.mesh).chain([self.mesh]);
+        painter.extend(meshes.map(Shape::mesh));
     }
 
     /// Adds the vertices across a stroke, `at` distances from its middle, and returns their number.
@@ -47,6 +51,10 @@ impl Strokes {
 
     /// Adds a circle. With `dashed` every other piece is left out.
     pub fn circle(&mut self, centre: Pos2, radius: f32, width: f32, colour: Color32, dashed: bool) {
+        let crowd = self.rings.as_mut().filter(|_| width == CROWD_WIDTH && !dashed);
+        if crowd.is_some_and(|rings| rings.add(centre, radius / self.feather, self.feather, colour)) {
+            return;
+        }
         let table = unit_circle(radius);
         let first = self.mesh.vertices.len() as u32;
         let mut count = 0;
@@ -116,10 +124,83 @@ fn unit_circle(radius: f32) -> &'static [Vec2] {
     &TABLES[index]
 }
 
+/// Circles of two triangles each: rings drawn once into a texture, and scaled to the radius asked for, where a polygon
+/// has some fifty triangles. Each ring is larger than the one before by so little that nobody sees it.
+struct Rings {
+    atlas: TextureHandle,
+    mesh: Mesh,
+}
+
+impl Rings {
+    /// Ratio of a ring's radius to that of the one before, from one of a pixel on, and their number.
+    const RATIO: f32 = 1.06;
+    const COUNT: usize = 56;
+    const COLUMNS: usize = 8;
+    /// Side of a ring's cell in the texture, pixels.
+    const CELL_PX: usize = 64;
+
+    fn new(ctx: &Context) -> Self {
+        let width_px = CROWD_WIDTH * ctx.pixels_per_point();
+        let id = egui::Id::unique(("rings of a crowd", width_px.to_bits()));
+        let known = ctx.data(|data| data.get_temp(id));
+        let atlas: TextureHandle = known
+            .unwrap_or_else(|| ctx.load_texture("rings of a crowd", Self::atlas(width_px), TextureOptions::LINEAR));
+        ctx.data_mut(|data| data.insert_temp(id, atlas.clone()));
+        Self { mesh: Mesh::with_texture(atlas.id()), atlas }
+    }
+
+    fn atlas(width_px: f32) -> ColorImage {
+        let size = [Self::COLUMNS * Self::CELL_PX, Self::COUNT / Self::COLUMNS * Self::CELL_PX];
+        let pixel = |at: usize| {
+            let (u, v) = (at % size[0], at / size[0]);
+            let centred = |x: usize| (x % Self::CELL_PX) as f32 + 0.5 - 0.5 * Self::CELL_PX as f32;
+            let ring = v / Self::CELL_PX * Self::COLUMNS + u / Self::CELL_PX;
+            let off_line = (centred(u).hypot(centred(v)) - Self::RATIO.powi(ring as i32)).abs();
+            let covered = (0.5 * (width_px + 1.0) - off_line).clamp(0.0, width_px.min(1.0));
+            Color32::from_white_alpha((255.0 * covered).round() as u8)
+        };
+        ColorImage::new(size, (0..size[0] * size[1]).map(pixel).collect())
+    }
+
+    /// Adds a circle of `radius_px`, unless it is larger than any ring; returns whether it was added.
+    fn add(&mut self, centre: Pos2, radius_px: f32, points_per_pixel: f32, colour: Color32) -> bool {
+        let ring = (radius_px.ln() / Self::RATIO.ln()).round().max(0.0) as usize;
+        // The part of the cell that holds the ring, and a pixel more.
+        let half_px = Self::RATIO.powi(ring as i32) + 0.5 * CROWD_WIDTH / points_per_pixel + 1.0;
+        if ring >= Self::COUNT || half_px > 0.5 * Self::CELL_PX as f32 {
+            return false;
+        }
+        let cell = vec2((ring % Self::COLUMNS) as f32 + 0.5, (ring / Self::COLUMNS) as f32 + 0.5);
+        let part = |half: f32| ((cell * Self::CELL_PX as f32 + Vec2::splat(half)) / self.atlas.size_vec2()).to_pos2();
+        let side = 2.0 * half_px * points_per_pixel * radius_px / Self::RATIO.powi(ring as i32);
+        let uv = Rect::from_min_max(part(-half_px), part(half_px));
+        self.mesh.add_rect_with_uv(Rect::from_center_size(centre, Vec2::splat(side)), uv, colour);
+        true
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use egui::pos2;
+
+    #[test]
+    fn each_ring_covers_the_area_of_its_line() {
+        for width in [0.7, 1.4, 2.8f32] {
+            let image = Rings::atlas(width);
+            let mut areas = [0.0f32; Rings::COUNT];
+            for (at, pixel) in image.pixels.iter().enumerate() {
+                let (u, v) = (at % image.width() / Rings::CELL_PX, at / image.width() / Rings::CELL_PX);
+                areas[v * Rings::COLUMNS + u] += f32::from(pixel.a()) / 255.0;
+            }
+            let radii = (0..).map(|ring| Rings::RATIO.powi(ring));
+            // The line of a smaller ring covers its own middle.
+            for (area, radius) in areas.iter().zip(radii).filter(|(_, radius)| *radius > 0.5 * (width + 1.0)) {
+                let expected = std::f32::consts::TAU * radius * width;
+                assert!((area / expected - 1.0).abs() < 0.06, "{radius} px, {width} px: {area} of {expected}");
+            }
+        }
+    }
 
     #[test]
     fn a_dashed_line_begins_and_ends_with_a_dash_and_has_gaps() {
