@@ -1,13 +1,12 @@
 //! A session restores a view of a burst, from a TOML file: its bursts are opened first, then everything else follows.
 //! Pixels are read and features detected again, bit by bit.
 
-use crate::app::actions::ActionId;
-use crate::app::document::look::SMOOTHING_PX;
 use crate::app::document::{
     Action, Comparison, Document, Probe, Reference, Reselect, SavedMatch, SavedSelection, Side, Sides, Staged, Steps,
 };
 use crate::app::pane::{PaneGroup, Panes};
 use crate::app::results::Read;
+use crate::app::{actions::ActionId, document::look::SMOOTHING_PX};
 use crate::detector::params::AUTO;
 use crate::detector::{SearchParams, Slopes};
 use crate::export::case::{is_case, read_about, read_session};

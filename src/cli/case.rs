@@ -4,8 +4,7 @@ use super::probe::{check_inside, parse_place};
 use super::{BurstsArgs, OneBurst, Outcome, check_ending, document};
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::files::path_text;
-use crate::inspect::result::truth_of;
-use crate::inspect::words::counted;
+use crate::inspect::{result::truth_of, words::counted};
 use clap::Args;
 use std::path::PathBuf;
 

@@ -5,11 +5,10 @@ use super::opening::{Opening, what_to_open};
 use super::{
     Console, Failure, INPUT_HELP, Outcome, OutputArgs, OverwriteArgs, SearchArgs, SequenceArgs, document, resolve,
 };
-use crate::app::actions::registry::ActionId;
-use crate::app::document::cursor::ViewKind;
 use crate::app::document::journal::read_steps;
 use crate::app::document::{Action, Steps};
 use crate::app::{RenderOptions, Startup, render_to_png};
+use crate::app::{actions::registry::ActionId, document::cursor::ViewKind};
 use crate::burst::OpenOptions;
 use crate::detector::{SearchParams, Slope};
 use crate::files::{MAX_SESSION_BYTES, path_text, read_text};

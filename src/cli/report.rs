@@ -2,12 +2,10 @@
 
 use crate::burst::{Burst, Encoding, Note};
 use crate::detect::Searched;
-use crate::detector::advice::grouped;
-use crate::detector::noise_model::NoiseModel;
-use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{
     Advice, DetectorParams, Method, NoiseGate, Slope, SlopeFinding, SlopeGrid, StageTimes, Tally, Test, explain,
 };
+use crate::detector::{advice::grouped, noise_model::NoiseModel, test::NOT_SEARCHED};
 use crate::files::path_text;
 use crate::inspect::slopes::{SlopeJudgement, features_at_slopes};
 use crate::inspect::words::counted;

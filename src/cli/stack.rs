@@ -7,11 +7,9 @@ use super::{
 use crate::SlopeGrid;
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
-use crate::detector::field::NO_FIELD;
-use crate::detector::noise::frame_noise;
-use crate::detector::slopes::resolve;
 use crate::detector::view::{combined_view, dog_view, field_view, in_focus_view};
 use crate::detector::{DetectorParams, Method, MotionLayer};
+use crate::detector::{field::NO_FIELD, noise::frame_noise, slopes::resolve};
 use crate::export::{OutputRules, write_field_npz, write_field_pfm, write_field_tiff, write_tiff};
 use crate::files::path_text;
 use crate::inspect::words::counted;

@@ -7,14 +7,12 @@ use super::{
 };
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
-use crate::detector::field::NO_FIELD;
-use crate::detector::params::Stage;
-use crate::detector::scale_space::octave_size;
 use crate::detector::stack::motion_stack;
 use crate::detector::view::{
     combined_view, coverage_view, dog_view, field_view, gate_noise_map, in_focus_view, stack_part_view, stack_view,
 };
 use crate::detector::{DetectorParams, Feature, FrameRange, Interpolation, Method, Scale};
+use crate::detector::{field::NO_FIELD, params::Stage, scale_space::octave_size};
 use crate::inspect::place::winning_slopes;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::blur::smoothed;

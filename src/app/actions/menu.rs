@@ -2,9 +2,7 @@
 
 use super::{ACTIONS, ActionId, ActionRow, Menu, Queue, checked, enabled, keys_text, tooltip};
 use crate::app::document::{Action, Panels, Side};
-use crate::app::results::Read;
-use crate::app::settings::Settings;
-use crate::app::words::explained;
+use crate::app::{results::Read, settings::Settings, words::explained};
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::detector::params::{Param, doc};

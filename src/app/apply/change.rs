@@ -2,11 +2,10 @@
 
 use crate::app::actions::when;
 use crate::app::apply::{comparison, detection, explained, opening, pair, panes, probe};
-use crate::app::canvas::overlay::ColourBy;
-use crate::app::document::filter::neighbour;
 use crate::app::document::method::plane_of;
 use crate::app::document::{Destination, Document, Reference, Side, Visibility};
 use crate::app::results::{Model, Read};
+use crate::app::{canvas::overlay::ColourBy, document::filter::neighbour};
 use crate::detector::{Feature, Method};
 use crate::engine::Engine;
 use crate::requests::BurstSource;

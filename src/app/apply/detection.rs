@@ -1,11 +1,9 @@
 //! Detections of either burst: asked for, taken, and the slope that the cursor goes to with the first of them.
 
 use crate::app::apply::{explained, panes, params};
-use crate::app::document::Side;
-use crate::app::document::filter::at_slope;
-use crate::app::pane::PaneId;
 use crate::app::results::explained::SHORT_SECS;
 use crate::app::results::{FoundFeatures, Model, Read};
+use crate::app::{document::Side, document::filter::at_slope, pane::PaneId};
 use crate::engine::{Ended, Engine};
 use crate::inspect::slopes::{features_at_slopes, slope_with_most_features};
 use crate::requests::{DetectRequest, Detected};

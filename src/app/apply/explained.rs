@@ -1,9 +1,8 @@
 //! Explanations of a detection and the list of its features: the answers, advice that is applied, and the neighbours in
 //! the list.
 
-use crate::app::document::Side;
-use crate::app::memo::Itself;
 use crate::app::results::{Model, Read};
+use crate::app::{document::Side, memo::Itself};
 use crate::detector::params::doc;
 use crate::detector::{Detection, Feature, ParamChange, Slope};
 use crate::engine::Ended;

@@ -1,13 +1,11 @@
 //! Panes and their pictures: the arrangement, playing through the slopes, pictures that come, and their value ranges.
 
 use crate::app::apply::{methods, params};
-use crate::app::document::cursor::back_and_forth;
-use crate::app::document::panes::Change;
 use crate::app::document::{Action, Cursor, PlayOver, RangeClass, Side, Visibility};
 use crate::app::pane::{Content, PaneId, Preset};
-use crate::app::results::panes::Play;
-use crate::app::results::pictures::PatchResults;
 use crate::app::results::{Model, Read};
+use crate::app::{document::cursor::back_and_forth, document::panes::Change};
+use crate::app::{results::panes::Play, results::pictures::PatchResults};
 use crate::detector::FrameRange;
 use crate::engine::Ended;
 use crate::requests::{PictureAnswer, PictureRequest, ViewKind};

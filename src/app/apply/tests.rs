@@ -4,12 +4,11 @@
 use crate::app::actions::registry::{ACTIONS, ActionId, Menu};
 use crate::app::apply::bench::{Bench, open};
 use crate::app::apply::{apply, methods, opening, pair, params, staged};
-use crate::app::document::journal::read_steps;
-use crate::app::document::panes::Change;
 use crate::app::document::{Action, Destination, Document, Journal, Pointed, Side};
 use crate::app::pane::{Direction, Link, PaneId, Preset};
 use crate::app::results::Read;
 use crate::app::view::{View, Zoom};
+use crate::app::{document::journal::read_steps, document::panes::Change};
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, ParamChange, SearchParams, Slope, SlopeAxis, SlopeGrid, Slopes};
 use crate::matching::MatchParams;

@@ -1,14 +1,13 @@
 //! Matches of all pairs of bursts: a matrix whose cells show inliers as colour and number, and a list.
 
 use super::filmstrip::side_colour;
-use crate::app::canvas::overlay::rgb;
-use crate::app::document::datasets::pair_of;
 use crate::app::document::{Action, BurstPair, DatasetChoice, PairColumn, Queue, Side};
 use crate::app::panel::table::{Heading, Listed, rows_ui, texts};
 use crate::app::panel::widgets::{instead_ui, middle_elided, strip_of_colours};
 use crate::app::results::datasets::pairs::PairTable;
 use crate::app::results::{BurstState, Dataset};
 use crate::app::style;
+use crate::app::{canvas::overlay::rgb, document::datasets::pair_of};
 use crate::inspect::words::counted;
 use crate::plane::display::ColourMap;
 use egui::epaint::TextShape;

@@ -1,8 +1,6 @@
 //! Changes that the user asks for, as values that can be written and read. Panels and panes push them while they are
 //! drawn; they are applied after the drawing, by one function (`apply::apply`).
 
-use crate::app::actions::registry::ActionId;
-use crate::app::document::panes::Change;
 use crate::app::document::{
     BurstPair, CompareLook, Compared, Destination, Document, FigureChoice, FilmChoice, Filter, Lab, Look, MatchColumn,
     MatchLook, Measure, MethodId, Order, PairChoice, PairColumn, PairTab, Panels, Playing, RangeClass, Reference,
@@ -11,12 +9,12 @@ use crate::app::document::{
 use crate::app::pane::{Arrangement, Content, Link, Over, PaneId, PaneLinks, Preset};
 use crate::app::session::Session;
 use crate::app::view::{ColourBy, View};
+use crate::app::{actions::registry::ActionId, document::panes::Change};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::{ParamChange, Quantity, SearchParams, Slope, Test};
 use crate::evaluate::poses::{PoseStudy, Projection};
-use crate::inspect::pair::Lost;
-use crate::inspect::place::ProbeSubject;
+use crate::inspect::{pair::Lost, place::ProbeSubject};
 use crate::matching::MatchParams;
 use crate::plane::display::Display;
 use crate::requests::{

@@ -2,8 +2,7 @@
 
 use crate::app::defaults::with_defaults;
 use crate::app::document::{Side, Sides};
-use crate::app::view::View;
-use crate::app::words::choices;
+use crate::app::{view::View, words::choices};
 use crate::dataset::DatasetSource;
 use crate::evaluate::poses::{PoseStudy, Projection};
 use crate::matching::PairSelection;

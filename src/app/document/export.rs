@@ -1,8 +1,6 @@
 //! What is exported: contents and style of a figure, the film, and the purposes for which the user is asked for files.
 
-use crate::app::defaults::with_defaults;
-use crate::app::document::Side;
-use crate::app::words::choices;
+use crate::app::{defaults::with_defaults, document::Side, words::choices};
 use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH};
 use crate::export::case::CASE_EXTENSION;
 use crate::export::{FigureAmount, FigureFormat, FigureOptions, FigureWidth};

@@ -1,7 +1,6 @@
 //! The Lab: its questions with the settings of their studies.
 
-use crate::app::defaults::with_defaults;
-use crate::app::words::choices;
+use crate::app::{defaults::with_defaults, words::choices};
 use crate::detector::{SearchParams, SlopeGrid};
 use crate::evaluate::chart::FRAME_COUNTS;
 use crate::evaluate::{AccuracyStudy, BurstFramesStudy, BurstMethod, ChartStudy, Searches};

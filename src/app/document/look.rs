@@ -2,8 +2,7 @@
 //! a range, so that slopes, or frames, can be compared. It is set once, from the first picture of its class (of several
 //! panes, that in focus), and again when the window goes to the first slope with features; after that only by the user.
 
-use crate::app::defaults::with_defaults;
-use crate::app::words::choices;
+use crate::app::{defaults::with_defaults, words::choices};
 use crate::detector::params::Bounds;
 use crate::plane::display::{ColourMap, Display};
 use crate::requests::PictureAnswer;

@@ -1,8 +1,7 @@
 //! Methods that are compared: the same detector on different inputs made from a burst; and their comparison as it is
 //! set.
 
-use crate::app::defaults::with_defaults;
-use crate::app::words::choices;
+use crate::app::{defaults::with_defaults, words::choices};
 use crate::detector::{DetectorParams, Method, SlopeAxis, SlopeGrid};
 use crate::evaluate::{BurstMethod, Searches};
 use crate::study::SameFalseRate;

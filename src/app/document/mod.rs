@@ -33,8 +33,7 @@ pub use panes::{Destination, Measure, Panels, Visibility};
 pub use probe::{PinnedPlace, Probe, SetUpState};
 pub use side::{Side, Sides};
 
-use crate::app::pane::Panes;
-use crate::app::view::ColourBy;
+use crate::app::{pane::Panes, view::ColourBy};
 use crate::burst::OpenOptions;
 use crate::detector::params::doc;
 use crate::detector::{ParamChange, Quantity, SearchParams, Test};

@@ -1,11 +1,9 @@
 //! Panels and panes as they are set: what is open, cursors that follow the one in focus, views, links and ranges.
 
-use crate::app::defaults::with_defaults;
-use crate::app::document::cursor::ViewKind;
 use crate::app::document::{Cursor, Document, Ranges, Side};
 use crate::app::pane::{Direction, Link, MethodsPreset, Pane, PaneGroup, PaneId, Preset, SidesPreset};
-use crate::app::view::View;
-use crate::app::words::choices;
+use crate::app::{defaults::with_defaults, document::cursor::ViewKind};
+use crate::app::{view::View, words::choices};
 use crate::detector::Slope;
 use crate::teach::{BottomTab, Workspace};
 use egui::{Pos2, Rect};

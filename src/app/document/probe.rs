@@ -1,10 +1,8 @@
 //! The probe as it is set, and the set-up of camera and scene as the user typed it.
 
-use crate::app::document::Side;
-use crate::app::view::KnownOfFeature;
+use crate::app::{document::Side, view::KnownOfFeature};
 use crate::detector::{Feature, Slope};
-use crate::inspect::place::Judged;
-use crate::inspect::slopes::SetUp;
+use crate::inspect::{place::Judged, slopes::SetUp};
 use crate::requests::{BurstSource, ProbeQuestion};
 use serde::{Deserialize, Serialize};
 

@@ -8,12 +8,11 @@ use crate::app::document::export::{ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use crate::app::document::{Action, FigureChoice, FilmChoice, FilmContent, MethodId, Pointed, RangeClass, Side};
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::memo::{Itself, kept};
-use crate::app::pane::PaneId;
-use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, describe};
 use crate::app::panel::widgets::{close_ui, error_ui, modal_ui};
 use crate::app::results::{MatchRow, Read};
 use crate::app::workspace::pair::lines::line_of;
+use crate::app::{pane::PaneId, panel::features::FeatureLayer};
 use crate::detector::{Feature, Quantity};
 use crate::export::film::{FILM_RATES, estimated_film_bytes};
 use crate::export::{

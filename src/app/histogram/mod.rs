@@ -4,10 +4,9 @@
 
 use crate::app::canvas::overlay::rgb;
 use crate::app::canvas::{Picture, number};
-use crate::app::gpu::PictureId;
-use crate::app::memo::Memo;
 use crate::app::panel::widgets::{hint, small_text, strip_of_colours};
 use crate::app::words::choices;
+use crate::app::{gpu::PictureId, memo::Memo};
 use crate::inspect::words::counted;
 use crate::plane::display::{ColourMap, Display, GAMMA_RANGE};
 use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};

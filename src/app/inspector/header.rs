@@ -7,12 +7,9 @@ use crate::app::document::panes::Change;
 use crate::app::document::{Action, Panels, RangeClass, Visibility};
 use crate::app::histogram::{ends_ui, ranges_ui};
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
-use crate::app::panel::display::features_shown_ui;
-use crate::app::panel::picture::PictureState;
-use crate::app::panel::tally::expected_ui;
-use crate::app::panel::widgets::named;
-use crate::app::results::Read;
 use crate::app::{canvas, style};
+use crate::app::{panel::display::features_shown_ui, panel::picture::PictureState};
+use crate::app::{panel::tally::expected_ui, panel::widgets::named, results::Read};
 use crate::inspect::words::capitalised;
 use egui::{
     Align, Button, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, Ui, Vec2, vec2,

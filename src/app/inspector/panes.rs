@@ -9,12 +9,10 @@ use crate::app::actions::{ActionId, Queue, tooltip};
 use crate::app::document::{Action, MethodId, Side};
 use crate::app::measure::{draw_ui, hidden_ui, measure_ui};
 use crate::app::pane::{Content, PaneId, arrangement_of, tree_of};
-use crate::app::panel::display::colour_bar_ui;
-use crate::app::panel::features::features_ui;
-use crate::app::panel::picture::stale_ui;
-use crate::app::panel::tally::candidates_ui;
 use crate::app::panel::widgets::{progress_ui, weak_ui};
 use crate::app::results::Read;
+use crate::app::{panel::display::colour_bar_ui, panel::features::features_ui};
+use crate::app::{panel::picture::stale_ui, panel::tally::candidates_ui};
 use egui::{Response, RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 

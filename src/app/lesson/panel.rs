@@ -3,13 +3,10 @@
 use super::snr::{shown_spot, snr_ui};
 use super::{LessonAction, Lessons, OpenLesson};
 use crate::app::actions::{ActionId, Queue};
-use crate::app::document::Side;
-use crate::app::inspector::PaneWidgets;
-use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{close_ui, modal_ui, named, weak_ui};
-use crate::app::results::Read;
-use crate::app::words::caption_ui;
+use crate::app::{document::Side, inspector::PaneWidgets, pane::PaneId};
 use crate::app::{parts, style};
+use crate::app::{results::Read, words::caption_ui};
 use crate::teach::Lesson;
 use egui::{
     Align, Button, Color32, Context, Frame, Id, Key, LayerId, Layout, Margin, Modifiers, Order, RichText, ScrollArea,

@@ -1,10 +1,8 @@
 //! Signal-to-noise ratio of a spot, measured in the shown picture, while frames are added one by one.
 
 use crate::app::document::{Action, Queue};
-use crate::app::panel::cursor_row::CursorRow;
-use crate::app::panel::widgets::still_plot;
-use crate::app::parts;
 use crate::app::results::Read;
+use crate::app::{panel::cursor_row::CursorRow, panel::widgets::still_plot, parts};
 use crate::detector::Slope;
 use crate::inspect::place::{SpotSnr, spot_snr};
 use crate::inspect::words::counted;

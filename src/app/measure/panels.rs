@@ -2,11 +2,9 @@
 
 use super::{PaneRegion, measured_panes, profiles_of, region_in};
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::canvas::number;
-use crate::app::inspector::PaneWidgets;
 use crate::app::panel::widgets::{named, only_ui, still_plot};
-use crate::app::results::Read;
-use crate::app::view::fixed;
+use crate::app::{canvas::number, inspector::PaneWidgets};
+use crate::app::{results::Read, view::fixed};
 use crate::plane::sample::{RegionStatistics, region_statistics};
 use crate::plane::statistics::{Histogram, histogram};
 use egui::{Color32, RichText, ScrollArea, Ui};

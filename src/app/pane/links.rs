@@ -2,10 +2,7 @@
 //! which two panes show the same of the scene.
 
 use super::{Over, Pane, PaneId, Panes};
-use crate::app::defaults::with_defaults;
-use crate::app::document::Cursor;
-use crate::app::view::View;
-use crate::app::words::choices;
+use crate::app::{defaults::with_defaults, document::Cursor, view::View, words::choices};
 use crate::burst::{Offset, Positions};
 use crate::requests::PictureKind;
 use egui::{Pos2, vec2};

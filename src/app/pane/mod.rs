@@ -17,12 +17,8 @@ pub use preset::{MethodsPreset, Preset, SidesPreset};
 pub use set::{PaneGroup, Panes};
 pub use tiles::{arrangement_of, tree_of};
 
-use crate::app::document::cursor::Cursor;
-use crate::app::document::look::Ranges;
-use crate::app::document::method::MethodId;
-use crate::app::document::side::Side;
-use crate::app::view::View;
-use crate::app::words::choices;
+use crate::app::{document::cursor::Cursor, document::look::Ranges, document::method::MethodId};
+use crate::app::{document::side::Side, view::View, words::choices};
 use crate::detector::{DetectorParams, Method};
 use crate::requests::{OpenBurst, PictureKind, PictureRequest, ViewKind};
 use serde::{Deserialize, Serialize};

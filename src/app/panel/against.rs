@@ -4,14 +4,12 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_circles};
 use crate::app::document::{Action, Compared, Destination, Pointed, Reference, Side};
-use crate::app::inspector::PaneWidgets;
-use crate::app::pane::PaneId;
-use crate::app::panel::display;
 use crate::app::panel::table::{Heading, Listed, rows_ui, texts};
 use crate::app::panel::widgets::{dashed_circle, progress_text, progress_ui, tip_ui};
 use crate::app::results::Read;
 use crate::app::results::comparison::{Row, Shown};
 use crate::app::view::{fixed, signed_slope};
+use crate::app::{inspector::PaneWidgets, pane::PaneId, panel::display};
 use egui::{Align2, Button, Color32, Label, RichText, Sense, Stroke, Ui, pos2, vec2};
 
 /// Colour of a comparison's outcome: distinct in hue and in lightness, and visible over a grey picture.

@@ -7,8 +7,7 @@ use crate::app::document::cursor::{level_range, octave_range, slope_limit, stepp
 use crate::app::document::{Action, PlayOver, Side};
 use crate::app::panel::cursor_row::{CursorRow, slider_track, wheel_over};
 use crate::app::panel::widgets::{hint, named, section_ui};
-use crate::app::results::Read;
-use crate::app::view::nearest;
+use crate::app::{results::Read, view::nearest};
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeGrid};
 use crate::inspect::slopes::features_at_slopes;

@@ -3,8 +3,6 @@
 use crate::app::canvas::{CanvasOutput, RectTransform, overlay, signed_number};
 use crate::app::document::filter::moves_by;
 use crate::app::document::{Action, FeaturesShown, MethodId, Pointed, Queue, Side};
-use crate::app::measure::Tool;
-use crate::app::pane::PaneId;
 use crate::app::panel::against::{RowsInPane, marks_ui};
 use crate::app::panel::picture::{PictureState, at_time};
 use crate::app::panel::widgets::tip_ui;
@@ -12,6 +10,7 @@ use crate::app::panel::{against, display};
 use crate::app::results::comparison::Row;
 use crate::app::results::{Read, coherence_words, verdict_words};
 use crate::app::view::{KnownOfFeature, depth_text, motion_text};
+use crate::app::{measure::Tool, pane::PaneId};
 use crate::detector::{Detection, Feature, Quantity, Slope};
 use crate::inspect::slopes::{at_slope, is_at_slope};
 use egui::{Align2, Label, Pos2, RichText, Ui, vec2};

@@ -1,10 +1,9 @@
 //! Noise of the burst as the last detection estimated it: over brightness, as a map, and what is wrong with it.
 
-use crate::app::canvas::number;
-use crate::app::canvas::overlay::rgb;
 use crate::app::document::{Action, Queue, Side};
 use crate::app::panel::widgets::{instead_ui, small_text, warning_ui};
 use crate::app::results::{FoundFeatures, Read};
+use crate::app::{canvas::number, canvas::overlay::rgb};
 use crate::detector::noise_model::NoiseModel;
 use crate::requests::ViewKind;
 use egui::{Align2, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, Ui, vec2};

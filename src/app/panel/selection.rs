@@ -1,11 +1,10 @@
 //! Selected feature: its numbers, patches and descriptor. The last two are also drawn for matches.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::Side;
-use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::{draw_plane, named, number_row_ui, section_ui};
 use crate::app::results::{Read, verdict_words};
 use crate::app::view::{KnownOfFeature, depth_text, fixed, layer_text, motion_text, quantity_text};
+use crate::app::{document::Side, panel::picture::at_time};
 use crate::detector::{Descriptor, Feature, MotionLayer, Quantity};
 use crate::inspect::place::Verdict;
 use crate::plane::Plane;

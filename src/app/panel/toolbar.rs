@@ -3,8 +3,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, shown_by, tooltip};
 use crate::app::document::Side;
 use crate::app::panel::widgets::{in_time, progress_text, progress_ui};
-use crate::app::parts::mark;
-use crate::app::results::Read;
+use crate::app::{parts::mark, results::Read};
 use crate::inspect::words::counted;
 use crate::requests::{Running, ViewKind};
 use crate::teach::Part;

@@ -6,9 +6,7 @@ use crate::app::actions::{ActionId, Queue, keys_text, tooltip};
 use crate::app::document::{Action, Side};
 use crate::app::lesson::{Chosen, Lessons};
 use crate::app::panel::widgets::{named, progress_ui};
-use crate::app::results::Read;
-use crate::app::settings::Settings;
-use crate::app::style;
+use crate::app::{results::Read, settings::Settings, style};
 use egui::{Align2, Area, Button, Color32, Context, Frame, Id, Rect, RichText, ScrollArea, Stroke, Ui, vec2};
 
 pub fn welcome_ui(ui: &mut Ui, model: Read<'_>, remembered: &Settings, lessons: &Lessons, queue: &mut Queue) -> Chosen {

@@ -1,7 +1,6 @@
 //! Widgets that several panels share.
 
-use crate::app::memo::Itself;
-use crate::app::style;
+use crate::app::{memo::Itself, style};
 use crate::monitor::Progress;
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};

@@ -7,8 +7,7 @@ pub use record::Record;
 
 use super::document::Journal;
 use super::session::Session;
-use crate::app::messages::Messages;
-use crate::app::results::Read;
+use crate::app::{messages::Messages, results::Read};
 use crate::engine::{Engine, TaskDone, TaskId};
 use crate::files::{MAX_SESSION_BYTES, read_text, written_by};
 use crate::requests::JobId;

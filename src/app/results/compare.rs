@@ -4,8 +4,7 @@
 //! can be compared too.
 
 use crate::app::document::{MethodId, Side, Sides};
-use crate::app::results::Read;
-use crate::app::results::pair::Matches;
+use crate::app::{results::Read, results::pair::Matches};
 use crate::detector::{Detection, DetectorParams};
 use crate::engine::Wanted;
 use crate::requests::{BurstId, CompareRequest, DetectRequest, MatchRequest, OpenBurst, OpenRequest, Running};

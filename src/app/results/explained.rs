@@ -2,8 +2,7 @@
 //! to each feature of either burst (its coherence).
 
 use crate::app::document::{FeaturesShown, Side, Sides};
-use crate::app::results::Read;
-use crate::app::view::ColourBy;
+use crate::app::{results::Read, view::ColourBy};
 use crate::detector::{Detection, Feature, Method, Moves, Quantity};
 use crate::engine::Wanted;
 use crate::inspect::place::{CandidateMark, Judged, Survey, SurveyOptions, Verdict};

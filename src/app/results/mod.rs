@@ -4,16 +4,13 @@
 //! the results; `app/apply` takes the answers and requests what is missing.
 
 use crate::app::document::{Document, Filter, History, Order, Purpose, SavedSelection, Side, Sides};
-use crate::app::memo::Itself;
-use crate::app::messages::Messages;
-use crate::app::pane::PaneId;
+use crate::app::{memo::Itself, messages::Messages, pane::PaneId};
 use crate::burst::Positions;
 use crate::dataset::DatasetSource;
 use crate::detector::{Quantity, SearchParams, Slope};
 use crate::engine::{Ended, Wanted};
 use crate::figures::FiguresJob;
-use crate::inspect::result::DecoyReport;
-use crate::inspect::slopes::SetUp;
+use crate::inspect::{result::DecoyReport, slopes::SetUp};
 use crate::requests::{
     BurstSource, FigurePreview, FigureRequest, FolderRequest, OpenRequest, PictureAnswer, PictureRequest,
     PossibleShape, ShapeRequest,

@@ -1,8 +1,6 @@
 //! Panels that are shown, by what is set, what is found and the width of the window, and the clock of playing.
 
-use crate::app::document::Visibility;
-use crate::app::document::workspace::Right;
-use crate::app::results::Read;
+use crate::app::{document::Visibility, document::workspace::Right, results::Read};
 use std::time::Instant;
 
 #[derive(Debug, Default)]

@@ -4,8 +4,7 @@
 
 use crate::app::document::{PinnedPlace, Probe, Side};
 use crate::app::pane::{Pane, PaneId};
-use crate::app::results::Read;
-use crate::app::results::own::origin;
+use crate::app::{results::Read, results::own::origin};
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{ParamChange, Slope};
 use crate::engine::Wanted;

@@ -3,10 +3,8 @@
 
 use crate::app::document::filter::near_slope;
 use crate::app::document::{Document, SavedSelection, Side};
-use crate::app::results::Read;
-use crate::app::results::comparison::ComparisonResults;
-use crate::app::results::own::Own;
 use crate::app::view::quantity_value;
+use crate::app::{results::Read, results::comparison::ComparisonResults, results::own::Own};
 use crate::burst::OpenOptions;
 use crate::detector::{Advice, DetectorParams, Feature, Slope, SlopeGrid, explain, follows, shared_slopes};
 use crate::engine::{Engine, Wanted};

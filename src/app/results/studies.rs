@@ -1,9 +1,7 @@
 //! Studies: the Lab's, with the curves so far and the chart on show, and that of estimated and true trajectories.
 
 use crate::app::document::{LabSet, Side, Trajectories};
-use crate::app::memo::Memo;
-use crate::app::results::Read;
-use crate::app::view::View;
+use crate::app::{memo::Memo, results::Read, view::View};
 use crate::engine::Wanted;
 use crate::evaluate::poses::{PairReport, PoseReport, PoseStudy, Projection, SparseModel, Trajectory};
 use crate::recover::{Planted, RecoverReport, RecoverStudy};

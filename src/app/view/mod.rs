@@ -6,8 +6,7 @@ pub use pan_zoom::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom};
 
 use crate::detector::quantity::{BRIGHT, Colours, Form, WARM};
 use crate::detector::{Feature, MotionLayer, Quantity, Slope};
-use crate::inspect::place::Judged;
-use crate::inspect::words;
+use crate::inspect::{place::Judged, words};
 use serde::{Deserialize, Serialize};
 
 /// Motion or quantity that the colours of features show: each quantity whose record has colours.

@@ -1,13 +1,11 @@
 //! Matches of a whole dataset: choice of the pairs, the matrix, and the list of pairs.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::dataset::filmstrip::working_ui;
-use crate::app::dataset::pairs;
 use crate::app::document::{Action, PairChoice};
 use crate::app::panel::widgets::{section_ui, warning_ui};
-use crate::app::results::Read;
-use crate::app::workspace::pair::parameters;
 use crate::app::workspace::{WorkspaceParts, left_panel, right_panel, side_width};
+use crate::app::{dataset::filmstrip::working_ui, dataset::pairs};
+use crate::app::{results::Read, workspace::pair::parameters};
 use crate::inspect::words::counted;
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 

@@ -4,10 +4,8 @@ use super::{FOUND, MISSED};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Lab};
 use crate::app::panel::widgets::{WHOLE, dashed_circle, dots_ui, draw_plane, named, only_ui};
-use crate::app::results::Read;
-use crate::app::view::nearest;
-use crate::inspect::result::Scored;
-use crate::inspect::words::number;
+use crate::app::{results::Read, view::nearest};
+use crate::inspect::{result::Scored, words::number};
 use crate::study::{ShownChart, StudyPoint};
 use egui::{Color32, ComboBox, Pos2, Sense, Stroke, Ui, vec2};
 

@@ -9,8 +9,7 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::overlay::rgb;
 use crate::app::document::{Action, Lab, LabQuestion};
 use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, progress_ui, section_ui, weak_ui};
-use crate::app::results::Read;
-use crate::app::results::studies::Studies;
+use crate::app::{results::Read, results::studies::Studies};
 use egui::{Color32, DragValue, RichText, Role, TextEdit, Ui};
 
 const FOUND: Color32 = Color32::from_rgb(86, 180, 233);

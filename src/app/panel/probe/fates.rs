@@ -3,8 +3,7 @@
 use super::{apply_ui, go_to_ui};
 use crate::app::document::{Action, Queue};
 use crate::app::panel::widgets::{named, only_ui, small_text};
-use crate::app::results::Read;
-use crate::app::style;
+use crate::app::{results::Read, style};
 use crate::detector::Test;
 use crate::inspect::place::{Fate, Needed, Outcome, Probe, ProbeSubject, TestReport};
 use crate::inspect::words::{number, sentence, slope_text, value_text};

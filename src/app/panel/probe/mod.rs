@@ -9,8 +9,7 @@ use crate::app::document::{Action, Destination, FeaturesShown, PinnedPlace, Side
 use crate::app::panel::widgets::{name_field, named, progress_ui, section_ui, warning_ui, weak_ui};
 use crate::app::parts::mark;
 use crate::app::results::{Read, verdict_words};
-use crate::app::style;
-use crate::app::view::signed;
+use crate::app::{style, view::signed};
 use crate::detector::{ParamChange, Slope};
 use crate::inspect::place::{CauseKind, Judged, ProbeSubject, Suspicion, SuspicionKind, Verdict};
 use crate::inspect::words::{number, sentence, slope_text};

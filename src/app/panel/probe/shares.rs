@@ -2,8 +2,7 @@
 
 use crate::app::document::{Action, Destination, Queue};
 use crate::app::panel::widgets::{WHOLE, draw_plane, named, still_plot};
-use crate::app::results::Read;
-use crate::app::style::ACCENT;
+use crate::app::{results::Read, style::ACCENT};
 use crate::detector::coherence::{FrameResponse, Shape};
 use crate::inspect::place::Shares;
 use crate::inspect::words::{number, sentence, slope_text};

@@ -1,9 +1,8 @@
 //! Features and evidence at each slope, as bars along a line of slopes and as cells of a plane of slopes.
 
-use crate::app::canvas::number;
-use crate::app::canvas::overlay::rgb;
 use crate::app::panel::widgets::{dot_ui, named, small_text};
 use crate::app::style;
+use crate::app::{canvas::number, canvas::overlay::rgb};
 use crate::detector::Slope;
 use crate::inspect::slopes::{SlopeBar, Spectrum};
 use crate::inspect::words::counted;

@@ -1,8 +1,7 @@
 //! The matches of a dataset's pairs in numbers, and in which order they are listed.
 
 use crate::app::document::{BurstPair, Order, PairColumn, Side};
-use crate::app::results::Read;
-use crate::app::results::pair::lost_words;
+use crate::app::{results::Read, results::pair::lost_words};
 use crate::dataset::INLIERS_TO_START;
 use crate::inspect::pair::Lost;
 use crate::matching::{MatchCounts, MatchParams};

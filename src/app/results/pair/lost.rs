@@ -1,8 +1,7 @@
 //! Losses on the way to a match: the step at which each feature of A was lost, and the details of one feature.
 
-use crate::app::document::Side;
-use crate::app::results::Read;
 use crate::app::results::pair::{MatchRow, Matches};
+use crate::app::{document::Side, results::Read};
 use crate::detector::{Feature, Slope};
 use crate::engine::Wanted;
 use crate::inspect::pair::{Lost, Unmatched};

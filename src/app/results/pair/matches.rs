@@ -4,9 +4,8 @@ use crate::app::document::{MatchColumn, MatchLook, Order, PairColumn, SavedMatch
 use crate::app::view::{fixed, number, signed};
 use crate::detector::quantity::Form;
 use crate::detector::{Detection, Feature};
-use crate::matching::align::Measured;
-use crate::matching::aligned::NARROW;
 use crate::matching::{Match, MatchResult, TwoViewModel};
+use crate::matching::{align::Measured, aligned::NARROW};
 use crate::requests::{MatchRequest, Matched};
 use std::sync::Arc;
 use std::time::Duration;

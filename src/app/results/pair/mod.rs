@@ -10,8 +10,7 @@ pub use lost::{LostFeatures, PATCHES, lost_words};
 pub use matches::{MatchRow, Matches, PAIR_NUMBERS};
 
 use crate::app::document::{MatchColumn, MatchLook, MethodId, Order, SavedMatch, Side};
-use crate::app::memo::Itself;
-use crate::app::results::Read;
+use crate::app::{memo::Itself, results::Read};
 use crate::detector::{DetectorParams, Method, SearchParams, Slope, SlopeGrid};
 use crate::engine::Wanted;
 use crate::error::Error;

@@ -4,10 +4,8 @@ use crate::app::canvas::overlay::{CircleMark, MatchLine, MatchLineStyle, Pane, d
 use crate::app::canvas::{CanvasOutput, overlay};
 use crate::app::document::{Action, MatchesAs, MethodId, Pointed, Queue, Side};
 use crate::app::inspector::{Drawn, chip_ui, is_with_shift, joined_panes, side_of};
-use crate::app::pane::PaneId;
-use crate::app::panel::picture::at_time;
-use crate::app::panel::widgets::tip_ui;
 use crate::app::results::{MatchRow, Matches, PATCHES, Read};
+use crate::app::{pane::PaneId, panel::picture::at_time, panel::widgets::tip_ui};
 use crate::burst::Offset;
 use crate::detector::Feature;
 use crate::export::MatchKind;

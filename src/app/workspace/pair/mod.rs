@@ -13,8 +13,7 @@ use crate::app::document::{Action, MatchLook, MatchesAs, PairTab, Pointed, Side}
 use crate::app::inspector::{Drawn, inspector_ui};
 use crate::app::panel;
 use crate::app::panel::widgets::{error_ui, label_ui, name_field, section_ui, strip_of_colours};
-use crate::app::parts::mark;
-use crate::app::results::Read;
+use crate::app::{parts::mark, results::Read};
 use crate::export::MatchKind;
 use crate::teach::Part;
 use egui::{CentralPanel, Color32, DragValue, Frame, Margin, Panel, Role, Sense, Stroke, Ui, vec2};

@@ -2,10 +2,9 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Side};
-use crate::app::panel::parameter_rows::ParamTable;
-use crate::app::panel::parameters::fold_ui;
 use crate::app::panel::widgets::{error_ui, name_field, section_ui};
 use crate::app::results::Read;
+use crate::app::{panel::parameter_rows::ParamTable, panel::parameters::fold_ui};
 use crate::dataset::CameraChoice;
 use crate::detector::params::Param;
 use crate::matching::params::doc;
