@@ -30,16 +30,13 @@ const SIDE: usize = 24;
 const SETTLED: usize = 100;
 /// Size of the picture cache: it is full before the hundredth burst.
 const CACHE_BYTES: usize = 64 << 10;
-/// Maximum size of one detection's trail of such a burst, however many features it found.
 const TRAIL_BYTES: usize = 64 << 10;
 /// Maximum growth of the program's memory from the hundred bursts after [`SETTLED`] to the last hundred: their names.
 /// 300 bursts with their frames, pictures and trails are 4 MB.
 const GROWTH_BYTES: u64 = 256 << 10;
 
-/// Held by the test that runs.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// Timeout of every wait.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Writes a long sequence of small frames: a blob that moves to and fro over noise.
@@ -61,7 +58,6 @@ fn write_frames(folder: &Path) {
     }
 }
 
-/// Waits for what `poll` returns.
 fn wait_for<T>(mut poll: impl FnMut() -> Option<T>) -> T {
     let end = Instant::now() + PATIENCE;
     loop {
@@ -73,7 +69,6 @@ fn wait_for<T>(mut poll: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// Asks, and waits for the answer.
 fn answer_of<R: Request>(engine: &Engine, wanted: &mut Wanted<R>, request: R) -> R::Answer {
     wanted.ask(engine, request);
     wait_for(|| wanted.take().into_iter().next()).result.expect("there is an answer")
@@ -173,7 +168,6 @@ fn five_hundred_bursts_leave_no_more_behind_than_one_hundred() {
     let params: SearchParams = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() }.into();
     let folder = home.path().join("kept");
     let keeping = Keeping { folder: folder.clone(), params: params.clone(), open: Default::default() };
-
     let engine = Engine::new(Arc::new(|| {}), CACHE_BYTES);
     let request = DatasetRequest::Open {
         source,
@@ -186,14 +180,12 @@ fn five_hundred_bursts_leave_no_more_behind_than_one_hundred() {
         other => panic!("{other:?}"),
     };
     assert_eq!(dataset.bursts.len(), BURSTS);
-
     find_all(&engine, &dataset.bursts, &keeping).assert_does_not_grow("a dataset");
     look_at_each(&engine, &dataset.bursts, &params).assert_does_not_grow("bursts one by one");
     wait_for(|| engine.is_idle().then_some(()));
     engine.keep_trails_of(&[]);
     let left = engine.held();
     assert_eq!((left.trails, left.trail_bytes, left.requests), (0, 0, 0));
-
     // All records of bursts are equally large but for the blobs of their features: none lists all bursts.
     let without_blobs = |text: String| {
         let record: serde_json::Value = serde_json::from_str(&text).expect("a record");

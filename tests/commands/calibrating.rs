@@ -49,7 +49,6 @@ fn a_bias_counts_in_whatever_file_it_comes() {
     says(home.run_badly("detect demo --out found --flat bias.png", 2), &["--flat"]);
 }
 
-/// A mask of the frames of [`spotted`] that shows their left half.
 fn half(home: &Path) {
     let mask = image::GrayImage::from_fn(160, 120, |u, _| Luma([if u < 80 { 255 } else { 0 }]));
     mask.save(home.join("half.png")).expect("written");
@@ -119,7 +118,6 @@ fn pictures_for_screens_are_said_to_be_so() {
     let text = home.run_well(&format!("{search} --linearise"));
     assert!(!text.contains("sRGB"), "{text}");
     home.write("film.mp4", b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2");
-    // Without a decoder of films on this machine.
     let mut detect = home.program("detect film.mp4 --out found");
     let output = detect.env("PATH", &*home).output().expect("it starts");
     let words = String::from_utf8(output.stderr).expect("text");
@@ -130,7 +128,6 @@ fn pictures_for_screens_are_said_to_be_so() {
 #[test]
 fn info_says_what_an_input_is_and_a_dump_is_searched_as_it_says() {
     let home = spotted();
-    // The same frames without a header.
     let mut dump = vec![7; 5];
     for t in 0..6 {
         let frame = image::open(home.join(format!("night/{t}.png"))).expect("opens").into_luma16();
@@ -153,7 +150,6 @@ fn info_says_what_an_input_is_and_a_dump_is_searched_as_it_says() {
     assert!(stack("night", &[]) == stack("night.raw", &shape), "the same frames have the same stack");
     let part = stack("night.raw", &[&shape[..], &["--take", "2..5"]].concat());
     assert!(part == stack("night", &["--frames", "2..5"]), "a part has the stack of its frames");
-    // A recording of any length is described, and a part of it opens.
     home.write("long.raw", vec![9; 5000 * 400]);
     let long = ["long.raw", "--raw", "20x20:u8"];
     says(home.run_well(&[&["info"], &long[..]].concat()), &["5000 frames", "take a part, such as --take 0..10"]);

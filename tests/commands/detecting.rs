@@ -5,24 +5,38 @@ use burstscope::synth::demo_truth;
 use ndarray_npy::NpzReader;
 
 #[test]
-fn the_demo_gives_features_in_all_formats() {
+fn the_demo_gives_features_in_all_formats_and_json_is_one_document_that_agrees_with_the_files() {
     let (home, out) = folder_with("found");
     let text = home.run_well("detect demo --out found --format csv,colmap,npz");
     let rows = features(&out.join("demo.csv"));
     assert!(rows.len() > 100, "{} features", rows.len());
     says(text, &[&format!("features  {}", rows.len()), "by slope", "the same blob as a stronger one"]);
-
     let colmap = fs::read_to_string(out.join("demo.txt")).expect("a file");
     let mut lines = colmap.lines();
     assert_eq!(lines.next(), Some(format!("{} 128", rows.len()).as_str()));
     let first: Vec<f64> = lines.next().expect("a feature").split(' ').map(|x| x.parse().expect("a number")).collect();
     assert_eq!(first.len(), 4 + 128);
     assert!((first[0] - rows[0][0] - 0.5).abs() < 1e-3, "COLMAP's first pixel centre is at 0.5");
-
     let mut npz = NpzReader::new(fs::File::open(out.join("demo.npz")).expect("a file")).expect("an archive");
     let array: ndarray::Array2<f32> = npz.by_name("features").expect("an array");
     let descriptors: ndarray::Array2<u8> = npz.by_name("descriptors").expect("an array");
     assert_eq!((array.dim(), descriptors.dim()), ((rows.len(), 17), (rows.len(), 128)));
+    let home = folder();
+    let json = home.run_json("detect demo --out found --json --noise-gate 6 --slopes-u -3:3:7");
+    let burst = &json["bursts"][0];
+    let rows = features(&home.join("found").join("demo.csv"));
+    assert_eq!(burst["features"], rows.len());
+    assert_eq!((&burst["frames"], &burst["width"], &burst["height"]), (&10.into(), &480.into(), &360.into()));
+    assert_eq!(burst["noise_gate_factor"], 6.0);
+    assert_eq!(json["params"]["noise_gate"], 6.0);
+    let slopes = burst["slopes"].as_array().expect("a list");
+    assert_eq!(slopes.len(), 7);
+    assert_eq!(slopes.iter().map(|s| s["features"].as_u64().expect("a count")).sum::<u64>(), rows.len() as u64);
+    let tally = &burst["tally"];
+    let rejected: u64 = tally["rejected"].as_object().expect("a map").values().filter_map(|x| x.as_u64()).sum();
+    assert_eq!(rejected + tally["kept"].as_u64().expect("a count"), tally["samples"].as_u64().expect("a count"));
+    assert!(burst["times"]["search_secs"].as_f64().expect("a time") > 0.0);
+    assert_eq!(burst["files"]["csv"], Path::new("found").join("demo.csv").to_str().expect("text"));
 }
 
 #[test]
@@ -91,36 +105,7 @@ fn nothing_found_and_slopes_that_do_not_fit_are_explained() {
 }
 
 #[test]
-fn json_is_one_document_that_agrees_with_the_files() {
-    let home = folder();
-    let json = home.run_json("detect demo --out found --json --noise-gate 6 --slopes-u -3:3:7");
-    let burst = &json["bursts"][0];
-    let rows = features(&home.join("found").join("demo.csv"));
-    assert_eq!(burst["features"], rows.len());
-    assert_eq!((&burst["frames"], &burst["width"], &burst["height"]), (&10.into(), &480.into(), &360.into()));
-    assert_eq!(burst["noise_gate_factor"], 6.0);
-    assert_eq!(json["params"]["noise_gate"], 6.0);
-    let slopes = burst["slopes"].as_array().expect("a list");
-    assert_eq!(slopes.len(), 7);
-    assert_eq!(slopes.iter().map(|s| s["features"].as_u64().expect("a count")).sum::<u64>(), rows.len() as u64);
-    let tally = &burst["tally"];
-    let rejected: u64 = tally["rejected"].as_object().expect("a map").values().filter_map(|x| x.as_u64()).sum();
-    assert_eq!(rejected + tally["kept"].as_u64().expect("a count"), tally["samples"].as_u64().expect("a count"));
-    assert!(burst["times"]["search_secs"].as_f64().expect("a time") > 0.0);
-    assert_eq!(burst["files"]["csv"], Path::new("found").join("demo.csv").to_str().expect("text"));
-}
-
-#[test]
-fn the_number_of_threads_changes_nothing() {
-    let home = folder();
-    home.run_well("detect demo --out one --threads 1");
-    home.run_well("detect demo --out three --threads 3");
-    let read = |name: &str| fs::read(home.join(name).join("demo.csv")).expect("a file");
-    assert_eq!(read("one"), read("three"));
-}
-
-#[test]
-fn wrong_use_is_2_and_says_what_would_be_right() {
+fn wrong_use_is_2_and_says_what_would_be_right_and_failures_are_1_and_name_the_file() {
     let home = folder();
     for (arguments, words) in [
         (&["detect", "demo"][..], "--out"),
@@ -144,11 +129,6 @@ fn wrong_use_is_2_and_says_what_would_be_right() {
         says(home.run_badly(arguments, 2), &[words, "--help"]);
     }
     assert!(names(&home).is_empty(), "wrong use writes nothing");
-}
-
-#[test]
-fn failures_are_1_and_name_the_file() {
-    let home = folder();
     home.write("a file", "no picture");
     for (arguments, words) in [
         (&["detect", "no such folder", "--out", "x"][..], "no such folder"),
@@ -181,32 +161,15 @@ fn slopes_are_found_unless_they_are_given() {
     assert!(u_min < -2.1 && u_max > 1.6 && v_min < -1.2 && v_max > 0.0, "{}", burst["slope_grid"]);
     assert!(burst["times"]["slopes_secs"].as_f64().is_some_and(|secs| secs > 0.0));
     assert_eq!(json(&["--slopes", "auto"])["bursts"][0]["slope_grid"], burst["slope_grid"]);
-
     let line = json(&["--slope-direction", "0"]);
     assert_eq!(line["params"]["slopes"]["direction_deg"], 0.0);
     assert_eq!(line["bursts"][0]["slope_grid"]["v"]["count"], 1);
     let given = json(&["--slopes-u", "-1:1:3"]);
     assert!(given["bursts"][0]["slopes_found"].is_null() && given["params"]["slopes"]["u"]["count"] == 3);
-    let sift = json(&["--method", "sift"]);
-    assert!(sift["bursts"][0]["slopes_found"].is_null(), "nothing is searched");
-
+    assert!(json(&["--method", "sift"])["bursts"][0]["slopes_found"].is_null(), "nothing is searched");
     home.write("auto.toml", "slopes = \"auto\"\noctaves = 2\n");
     let text = home.run_well("detect demo --out found --params auto.toml");
     assert!(text.contains("slopes    found: u ") && text.contains("of what is seen agrees"), "{text}");
-}
-
-#[test]
-fn a_parameter_file_is_read_and_options_override_it() {
-    let home = folder();
-    let slopes = SlopeGrid::line(-2.0..=2.0, 5).into();
-    let params = SearchParams { slopes, levels: 2, max_features: 50, ..Default::default() };
-    home.write("p.toml", params.to_toml());
-    let json = home.run_json("detect demo --out found --json --params p.toml --max-features 20");
-    let read: DetectorParams = serde_json::from_value(json["params"].clone()).expect("parameters");
-    assert_eq!(read, DetectorParams { max_features: 20, ..params.at_given() });
-    assert_eq!(features(&home.join("found").join("demo.csv")).len(), 20);
-    home.write("bad.toml", "peak_treshold = 1.0");
-    says(home.run_badly("detect demo --out x --params bad.toml", 2), &["bad.toml", "peak_treshold"]);
 }
 
 #[test]
@@ -229,18 +192,12 @@ fn a_broken_burst_does_not_stop_the_others() {
 }
 
 #[test]
-fn quiet_is_quiet_and_pipes_are_clean() {
+fn quiet_is_quiet_pipes_are_clean_and_help_and_version_are_answers_not_errors() {
     let home = folder();
     let output = home.run("detect demo --out found --quiet");
     assert_eq!((output.status.code(), output.stdout.len(), output.stderr.len()), (Some(0), 0, 0));
-    // Without a terminal there is no progress bar.
     let output = home.run("detect demo --out found");
     assert!(output.stderr.is_empty() && !output.stdout.contains(&0x1b), "{}", stderr(&output));
-}
-
-#[test]
-fn help_and_version_are_answers_not_errors() {
-    let home = folder();
     assert_eq!(
         home.run_well("--version"),
         format!("burstscope {} (detector {})\n", env!("CARGO_PKG_VERSION"), burstscope::detector::REVISION)

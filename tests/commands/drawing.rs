@@ -1,11 +1,8 @@
 //! `stack`, `render`, and the program without a display.
 
 use crate::support::*;
-use burstscope::app::document::Action;
-use burstscope::app::document::journal::Journal;
-use burstscope::app::document::side::Side;
-use burstscope::detector::Interpolation;
-use burstscope::detector::stack::motion_stack;
+use burstscope::app::document::{Action, journal::Journal, side::Side};
+use burstscope::detector::{Interpolation, stack::motion_stack};
 use burstscope::synth::demo_burst;
 use std::path::Component;
 
@@ -20,7 +17,7 @@ fn read_tiff(path: &Path) -> ((u32, u32), Vec<f32>) {
 }
 
 #[test]
-fn stack_writes_the_very_values_of_the_library() {
+fn stack_writes_the_very_values_of_the_library_and_stack_writes_a_response_on_the_octaves_pixels() {
     let home = folder();
     says(home.run_well("stack demo --slope -2.1,0 --out deep/sign.tiff"), &["480×360"]);
     let (size, values) = read_tiff(&home.join("deep/sign.tiff"));
@@ -30,10 +27,16 @@ fn stack_writes_the_very_values_of_the_library() {
         motion_stack(&frames, &burst.positions, Slope::new(-2.1, 0.0), Interpolation::Linear, &Monitor::default())
             .expect("done");
     assert_eq!((size, values.as_slice()), ((480, 360), stack.data()));
-    // Averaging keeps the level.
     let mean = |x: &[f32]| x.iter().map(|&x| f64::from(x)).sum::<f64>() / x.len() as f64;
     let of_frames = burst.frames.iter().map(|f| mean(f.data())).sum::<f64>() / 10.0;
     assert!((mean(&values) - of_frames).abs() < 5e-4, "{} {of_frames}", mean(&values));
+    let json = home.run_json("stack demo --slope 0.95,0 --octave 1 --level 0 --levels 3 --out d.tif --json");
+    let (size, values) = read_tiff(&home.join("d.tif"));
+    assert_eq!(size, (240, 180));
+    assert_eq!((&json["width"], &json["octave"]), (&240.into(), &1.into()));
+    assert!(values.iter().any(|&x| x > 1e-3) && values.iter().any(|&x| x < -1e-3), "a response has both signs");
+    says(home.run_badly("stack demo --slope 0,0 --octave 9 --level 0 --out e.tif", 2), &["octave"]);
+    assert_eq!(names(&home), ["d.tif", "deep"]);
 }
 
 #[test]
@@ -56,19 +59,7 @@ fn the_field_of_motion_as_pfm_is_replaced_only_on_request() {
 }
 
 #[test]
-fn stack_writes_a_response_on_the_octaves_pixels() {
-    let home = folder();
-    let json = home.run_json("stack demo --slope 0.95,0 --octave 1 --level 0 --levels 3 --out d.tif --json");
-    let (size, values) = read_tiff(&home.join("d.tif"));
-    assert_eq!(size, (240, 180));
-    assert_eq!((&json["width"], &json["octave"]), (&240.into(), &1.into()));
-    assert!(values.iter().any(|&x| x > 1e-3) && values.iter().any(|&x| x < -1e-3), "a response has both signs");
-    says(home.run_badly("stack demo --slope 0,0 --octave 9 --level 0 --out e.tif", 2), &["octave"]);
-    assert_eq!(names(&home), ["d.tif"]);
-}
-
-#[test]
-fn render_draws_the_window() {
+fn render_draws_the_window_without_words_on_a_display_and_says_damaged_cases() {
     let home = folder();
     home.run_well("render --out window.png --size 900x600 --slope -2.1,0 --no-detect");
     let picture = image::open(home.join("window.png")).expect("a picture").into_rgba8();
@@ -76,10 +67,20 @@ fn render_draws_the_window() {
     let colours: std::collections::HashSet<_> = picture.pixels().map(|p| p.0).collect();
     assert!(colours.len() > 50, "only {} colours", colours.len());
     says(home.run_badly("render gone --out x.png", 1), &["gone"]);
+    for name in ["damaged.burstcase", "damaged.npy"] {
+        fs::write(home.join(name), b"PK\x03\x04 and no more").expect("written");
+        let output = home.program(&[name]).output().expect("it starts");
+        says(String::from_utf8_lossy(&output.stdout), &["There is no display here"]);
+        assert!(output.status.code() == Some(1) && stderr(&output).contains(name), "{name}: {}", stderr(&output));
+    }
+    let arguments = "render --out window.png --size 300x200 --no-detect --quiet";
+    let drawn = home.program(arguments).env_remove("XDG_RUNTIME_DIR").output().expect("it starts");
+    assert!(drawn.status.success());
+    assert_eq!(stderr(&drawn), "");
 }
 
 #[test]
-fn what_was_done_in_a_window_is_done_again_and_drawn() {
+fn what_was_done_in_a_window_is_done_again_also_from_another_folder_and_drawn() {
     let home = folder();
     let play = |did: &str| home.write("did.toml", format!("version = 1\ndid = [\n{did}\n]\n"));
     let arguments = ["render", "--play", "did.toml", "--out", "x.png", "--size", "600x400"];
@@ -100,10 +101,6 @@ fn what_was_done_in_a_window_is_done_again_and_drawn() {
     {
         says(home.run_badly(&[&arguments[..], &more].concat(), 2), &["--play", word]);
     }
-}
-
-#[test]
-fn what_was_opened_by_a_path_relative_to_one_folder_is_done_again_from_another() {
     let home = folder();
     home.run_well("synth chart --out burst");
     // From the folder of this test up to the root, and down again.
@@ -122,15 +119,6 @@ fn what_was_opened_by_a_path_relative_to_one_folder_is_done_again_from_another()
 }
 
 #[test]
-fn the_missing_display_is_no_message() {
-    let home = folder();
-    let arguments = "render --out window.png --size 300x200 --no-detect --quiet";
-    let drawn = home.program(arguments).env_remove("XDG_RUNTIME_DIR").output().expect("it starts");
-    assert!(drawn.status.success());
-    assert_eq!(stderr(&drawn), "");
-}
-
-#[test]
 fn without_a_display_the_window_becomes_a_picture_and_a_table() {
     let home = folder();
     let text = home.run_well(&[]);
@@ -146,16 +134,4 @@ fn without_a_display_the_window_becomes_a_picture_and_a_table() {
     assert!(rows.iter().all(|r| r.len() == 10), "{text}");
     assert_eq!(names(&home), ["burstscope-demo.png"]);
     image::open(home.join("burstscope-demo.png")).expect("a picture");
-}
-
-/// As with any other damaged burst, the window is what is opened: the error comes where the burst would be.
-#[test]
-fn a_damaged_case_is_said_where_the_burst_is_opened() {
-    let home = folder();
-    for name in ["damaged.burstcase", "damaged.npy"] {
-        fs::write(home.join(name), b"PK\x03\x04 and no more").expect("written");
-        let output = home.program(&[name]).output().expect("it starts");
-        says(String::from_utf8_lossy(&output.stdout), &["There is no display here"]);
-        assert!(output.status.code() == Some(1) && stderr(&output).contains(name), "{name}: {}", stderr(&output));
-    }
 }

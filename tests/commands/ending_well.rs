@@ -31,14 +31,12 @@ fn a_full_or_closed_standard_error_stops_nothing() {
     closed.arg(env!("CARGO_BIN_EXE_burstscope")).stdout(Stdio::null());
     assert_eq!(closed.status().expect("a shell").code(), Some(1));
     assert_eq!(names(&home.join("closed")), ["a.csv", "c.csv"]);
-    // Wrong use, and inputs that cannot be opened, too.
     for (wrong, code) in [
         (&["detect", "nights", "--out", "x", "--levels", "0"][..], 2),
         (&["stack", "gone", "--slope", "0,0", "--out", "x.tiff"], 1),
     ] {
         let full = File::options().write(true).open("/dev/full").expect("the full device");
-        let status = home.program(wrong).stderr(full).status().expect("it starts");
-        assert_eq!(status.code(), Some(code), "{wrong:?}");
+        assert_eq!(home.program(wrong).stderr(full).status().expect("it starts").code(), Some(code), "{wrong:?}");
     }
 }
 
@@ -71,12 +69,9 @@ fn names_that_are_no_text_work_everywhere() {
             assert!(json.to_string().contains("\\\\xFF"), "{arguments:?}: {json}");
         }
     }
-    for made in [&tiff, &png] {
-        assert!(home.join(made).is_file(), "{made:?}");
-    }
+    [&tiff, &png].into_iter().for_each(|made| assert!(home.join(made).is_file(), "{made:?}"));
     let rec = home.join(OsStr::from_bytes(b"rec\xff"));
     assert!(rec.join("database.db").is_file() && names(&rec.join("features")).len() == 2);
-    // Finished features and the matched pair are found again.
     let output =
         run_os(&home, &[&[os("colmap"), &folder, os("--out"), OsStr::from_bytes(b"rec\xff")][..], &search].concat());
     assert!(String::from_utf8_lossy(&output.stdout).matches("from an earlier run").count() == 3, "{}", stderr(&output));
@@ -122,7 +117,7 @@ fn a_camera_of_another_size_is_refused_before_the_search() {
 }
 
 #[test]
-fn render_checks_frame_octave_level_and_slope() {
+fn render_checks_its_picture_files_of_settings_are_read_up_to_a_sane_size_and_opengl_draws() {
     let home = home_with(&["a"]);
     for (wrong, word) in [
         (["--kind", "frame", "--frame", "4"], "give 0 to 3"),
@@ -133,11 +128,12 @@ fn render_checks_frame_octave_level_and_slope() {
         says(home.run_badly(&[&["render", "a", "--no-detect", "--out", "x.png"][..], &wrong].concat(), 2), &[word]);
         assert!(!home.join("x.png").exists());
     }
-}
-
-#[test]
-fn parameter_camera_and_truth_files_are_files_of_a_sane_size() {
-    let home = home_with(&["a"]);
+    let file = home.join("p.toml");
+    let detect = || home.run_badly("detect a --out found --params p.toml", 2);
+    fs::write(&file, "[slopes]\ndirection = 90\n").expect("written");
+    says(detect(), &["p.toml", "`direction`", "direction_deg"]);
+    fs::write(&file, "# Written by Burstscope 99.0.0\nwavelets = true\n").expect("written");
+    says(detect(), &["written by Burstscope 99.0.0", "wavelets"]);
     File::create(home.join("large.toml")).and_then(|file| file.set_len(3 << 20)).expect("a hole is large");
     std::os::unix::fs::symlink("/dev/zero", home.join("device.toml")).expect("linked");
     assert!(Command::new("mkfifo").arg(home.join("pipe.toml")).status().expect("mkfifo runs").success());
@@ -156,10 +152,22 @@ fn parameter_camera_and_truth_files_are_files_of_a_sane_size() {
         // The window refuses them as sessions, too.
         says(refused(&["evaluate", "poses", "--estimate", file, "--truth", file], 1), &[file]);
     }
+    let file: PathBuf = home.join("x.png");
+    let mut drawing = home.program("render a --no-detect --size 640x480 --out x.png");
+    let output = drawing.env("WGPU_BACKEND", "gl").output().expect("it starts");
+    match output.status.code() {
+        Some(0) => {
+            let drawn = image::open(&file).expect("a picture").into_rgb8();
+            let colours: std::collections::HashSet<[u8; 3]> = drawn.pixels().map(|p| p.0).collect();
+            assert!(colours.len() > 50, "an empty picture is no drawing: {} colours", colours.len());
+        }
+        Some(1) => assert!(stderr(&output).contains("graphics") && !file.exists(), "{}", stderr(&output)),
+        other => panic!("{other:?}: {}", stderr(&output)),
+    }
 }
 
 #[test]
-fn names_of_255_bytes_work() {
+fn names_of_255_bytes_work_and_commands_to_the_terminal_in_names_do_not_reach_it() {
     let home = folder();
     let [long, other] = ["n", "m"].map(|letter| format!("nights/{}", letter.repeat(255)));
     chart(&home, &long);
@@ -173,11 +181,6 @@ fn names_of_255_bytes_work() {
     let tiff = format!("{}.tiff", "t".repeat(250));
     home.run_well(&["stack", &long, "--slope", "0,0", "--out", &tiff]);
     assert!(home.join(tiff).is_file());
-}
-
-#[test]
-fn commands_to_the_terminal_in_names_do_not_reach_it() {
-    let home = folder();
     let name = "a\u{1b}]0;owned\u{7}\u{9b}2J";
     chart(&home, name);
     let harmless = |bytes: &[u8]| {
@@ -213,7 +216,6 @@ fn what_killed_runs_left_is_cleared_by_the_next() {
     making.wait().expect("it ends");
     assert_eq!(hidden(".burstscope-").len(), 2, "it was killed while it wrote: the hidden folder, and its lock");
     leave_unfinished(&home);
-    // Files and folders of others, whatever their names are.
     home.write(".burstscope-notes.tmp", "mine");
     home.write(".burstscope-notes.lock", "mine");
     home.make_dir(".burstscope-mine.tmp");
@@ -223,7 +225,6 @@ fn what_killed_runs_left_is_cleared_by_the_next() {
     let kept = [".burstscope-mine.tmp", ".burstscope-notes.lock", ".burstscope-notes.tmp", "a", "a.tiff"];
     assert_eq!(names(&home), kept);
     assert_eq!(home.text(".burstscope-mine.tmp/in-use"), "mine");
-    // Nor do they give way to a folder that is made, or to a lock.
     home.make_dir("own");
     fs::rename(home.join(".burstscope-notes.tmp"), home.join("own/.burstscope-x.tmp")).expect("moved");
     assert!(home.run_badly("synth chart --out own", 1).contains("did not write there"));
@@ -250,23 +251,6 @@ fn an_interrupted_render_ends_cleanly() {
 }
 
 #[test]
-fn opengl_draws_or_says_why_not() {
-    let home = home_with(&["a"]);
-    let file: PathBuf = home.join("x.png");
-    let mut drawing = home.program("render a --no-detect --size 640x480 --out x.png");
-    let output = drawing.env("WGPU_BACKEND", "gl").output().expect("it starts");
-    match output.status.code() {
-        Some(0) => {
-            let drawn = image::open(&file).expect("a picture").into_rgb8();
-            let colours: std::collections::HashSet<[u8; 3]> = drawn.pixels().map(|p| p.0).collect();
-            assert!(colours.len() > 50, "an empty picture is no drawing: {} colours", colours.len());
-        }
-        Some(1) => assert!(stderr(&output).contains("graphics") && !file.exists(), "{}", stderr(&output)),
-        other => panic!("{other:?}: {}", stderr(&output)),
-    }
-}
-
-#[test]
 fn a_search_beyond_the_memory_is_done_in_groups_of_slopes_or_refused_with_the_number() {
     let home = home_with(&["a"]);
     let search = ["detect", "a", "--out", "found", "--slopes-u", "-2:2:64", "--slopes-v", "-2:2:64"];
@@ -277,7 +261,6 @@ fn a_search_beyond_the_memory_is_done_in_groups_of_slopes_or_refused_with_the_nu
     let few = "detect a --out few --slopes-u -1:1:3 --memory 50%";
     home.run_well(few);
     says(home.run_badly(&[&search[..], &["--memory", "lots"]].concat(), 2), &["8G or 500M"]);
-
     // All of these slopes take about 2 MB, and one thread's window 6 MB.
     let some = "detect a --threads 1 --slopes-u -2:2:16 --slopes-v -2:2:16 --out";
     home.run_well(&format!("{some} whole"));
@@ -317,17 +300,6 @@ fn a_limit_on_the_size_of_files_is_an_error_that_names_the_file() {
     assert!(limited(64, &format!("colmap nights --out rec {search}")).contains("database.db"));
     let rec = names(&home.join("rec"));
     assert_eq!(rec, ["features", "images", "manifest.json", "records"], "the database is whole or not there");
-}
-
-#[test]
-fn unknown_keys_are_errors_and_a_newer_programs_are_said_to_be_that() {
-    let home = home_with(&["a"]);
-    let file = home.join("p.toml");
-    let detect = || home.run_badly("detect a --out found --params p.toml", 2);
-    fs::write(&file, "[slopes]\ndirection = 90\n").expect("written");
-    says(detect(), &["p.toml", "`direction`", "direction_deg"]);
-    fs::write(&file, "# Written by Burstscope 99.0.0\nwavelets = true\n").expect("written");
-    says(detect(), &["written by Burstscope 99.0.0", "wavelets"]);
 }
 
 /// In a program with little address space, a refused allocation is reported with its size, and nothing is aborted.

@@ -60,8 +60,7 @@ fn has_all(latex: &str, numbers: &[f64], decimals: usize) -> bool {
 fn a_plot_and_a_table_are_two_files() {
     let home = folder();
     for line in ["recover demo", "evaluate chart --slopes-u -1:1:3", "evaluate frames --slopes-u -1:1:3"] {
-        let line = format!("{line} --plot x.svg --table x.svg");
-        says(home.run_badly(&line, 2), &["--plot names this file too"]);
+        says(home.run_badly(&format!("{line} --plot x.svg --table x.svg"), 2), &["--plot names this file too"]);
     }
     assert_eq!(names(&home), [""; 0]);
 }
@@ -77,7 +76,6 @@ fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
     assert_same(&column(&rows, "features"), &numbers(bars, |bar| &bar["features"]));
     assert_same(&column(&rows, "evidence"), &numbers(bars, |bar| &bar["evidence"]));
     assert!(has_all(&latex, &column(&rows, "evidence")[..1], 3) || has_all(&latex, &column(&rows, "slope_v"), 3));
-
     let probe = [&["probe"][..], &line, &["--at", "160,120"]].concat();
     let (rows, latex) = written(&home, &probe, "--plot");
     let answer = &home.run_json(&[&probe[..], &["--json"]].concat())["probe"];
@@ -86,7 +84,6 @@ fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
     let values = frames.map(|frame| frame["value"].as_f64().expect("a number"));
     assert_same(&column(&rows, "y"), &snr.chain(values).collect::<Vec<_>>());
     assert!(latex.contains("response of each frame"), "{latex}");
-
     let recover = [&["recover"][..], &line, &["--copies", "1"]].concat();
     let (rows, _) = written(&home, &recover, "--plot");
     assert!(rows[0].join(",") == "set,plot,curve,x,y,low,high" && rows.len() > 5);
@@ -113,35 +110,30 @@ fn the_tables_of_studies_are_of_every_kind_and_have_their_numbers() {
     let found = numbers(of_methods, |method| &method["true_positives"]["mean"]);
     assert_eq!((column(&rows, "found"), column(&rows, "snr")), (found.clone(), vec![2.0; 2]));
     assert!(has_all(&latex, &found, 1));
-
     let frames = [&["evaluate", "frames", "--snr", "2", "--frame-counts", "4,2"][..], &small, &methods].concat();
     let (rows, _) = written(&home, &frames, "--table");
     let report = home.run_json(&[&frames[..], &["--json"]].concat());
     let found = |row: usize| numbers(&report["rows"][row]["methods"], |method| &method["true_positives"]["mean"]);
     assert_same(&column(&rows, "found"), &[found(0), found(1)].concat());
     written(&home, &frames, "--plot");
-
     let burst = ["evaluate", "frames", "demo-low-contrast", "--frame-counts", "3,5", "--slopes-u", "-1:1:3"];
     let (rows, latex) = written(&home, &burst, "--table");
     let report = home.run_json(&[&burst[..], &["--json"]].concat());
     assert_same(&column(&rows, "confirmed"), &numbers(&report["rows"], |row| &row["confirmed"]));
     assert!(has_all(&latex, &column(&rows, "confirmed"), 0));
     written(&home, &burst, "--plot");
-
     let accuracy = [&["evaluate", "accuracy", "--snr", "5", "--apart-discs", "0"][..], &small].concat();
     let (rows, _) = written(&home, &accuracy, "--table");
     let report = home.run_json(&[&accuracy[..], &["--json"]].concat());
     let medians = ["u", "v", "scale", "slope_u", "slope_v"].map(|name| &report["rows"][0][name]["median_magnitude"]);
     let medians = medians.map(|median| median.as_f64().unwrap_or(f64::NAN));
     assert_same(&column(&rows, "median")[..5], &medians);
-
     let noise = ["evaluate", "noise", "--case", "white", "--megapixels", "0.1", "--method", "sift"];
     let (rows, _) = written(&home, &noise, "--table");
     let report = home.run_json(&[&noise[..], &["--json"]].concat());
     let search = &report["rows"][0]["searches"];
     assert_same(&column(&rows, "false_features"), &numbers(search, |search| &search["false_features"]));
     assert_same(&column(&rows, "per_megapixel"), &numbers(search, |search| &search["per_megapixel"]));
-
     // Kinds that are drawn: the worst are measured again, and the worst of them is made by the line that is told.
     let drawn = ["evaluate", "noise", "--cases", "3", "--megapixels", "0.01", "--method", "sift", "--width", "100"];
     let drawn = [&drawn[..], &["--height", "100"]].concat();
@@ -177,7 +169,6 @@ fn the_tables_of_matches_and_poses_are_of_every_kind_and_have_their_numbers() {
         assert_eq!(column(&rows, name), expected, "{name}");
         assert!(has_all(&latex, &expected, 0));
     }
-
     let poses = "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0.5 0 0 0 0 1\n3 3 0 1 0 0 0 1\n";
     home.write("truth.txt", poses);
     home.write("found.txt", poses.replace("2 2 0.5", "2 2 0.4"));

@@ -5,7 +5,7 @@ use burstscope::files::{shell_path, shell_word};
 use burstscope::requests::{detect_line, next_commands};
 
 #[test]
-fn a_misspelt_command_is_asked_about_and_opens_nothing() {
+fn a_misspelt_command_opens_nothing_and_a_list_that_is_played_writes_nothing_but_its_picture() {
     let home = folder();
     for (words, meant) in
         [(&["matchs", "demo", "demo-later"][..], "match"), (&["detct"], "detect"), (&["Film"], "film")]
@@ -15,6 +15,19 @@ fn a_misspelt_command_is_asked_about_and_opens_nothing() {
     let error = home.run_badly("night", 1);
     assert!(error.contains("there is no such file or folder") && !error.contains("mean"), "{error}");
     assert_eq!(names(&home), [""; 0], "nothing is drawn of what cannot be opened");
+    for name in ["a", "b"] {
+        let size = ["--width", "320", "--height", "240", "--frames", "2", "--discs", "5"];
+        let out = format!("ds/{name}");
+        home.run_well(&[&["synth", "chart", "--out", &out, "--quiet"][..], &size].concat());
+    }
+    for action in ["{ do = \"detect_all\" }", "\"detect_all_anyway\""] {
+        let list = format!(
+            "version = 1\ndid = [\n[{{ open_dataset = {{ paths = [\"./ds\"] }} }}],\n[{{ use_feature_folder = \"./victim\" }}],\n[{action}],\n]\n"
+        );
+        home.write("list.toml", list);
+        says(home.run_badly("render --play list.toml --out a.png", 2), &["detect_all", "writes files"]);
+        assert_eq!(names(&home), ["ds", "list.toml"]);
+    }
 }
 
 const LARGEST: &str = "9223372036854775807";
@@ -51,7 +64,6 @@ fn a_number_that_no_file_can_keep_is_refused_where_it_is_read() {
     assert!(error.contains(&format!("18446744073709551615 is more than {LARGEST}")), "{error}");
     let error = home.run_badly("synth chart --out o --seed 9223372036854775808", 2);
     assert!(error.contains(&format!("--seed: 9223372036854775808 is more than {LARGEST}")), "{error}");
-    // The largest one is a number like others.
     home.run_well(&["case", "demo-tripod", "--out", "a.burstcase", "--json", "--max-features", LARGEST]);
 }
 
@@ -94,7 +106,7 @@ fn no_pipe_is_waited_for() {
 }
 
 #[test]
-fn a_picture_of_a_file_without_header_says_what_is_missing() {
+fn pictures_of_files_without_header_or_of_senseless_sizes_are_refused_with_the_reason() {
     let home = folder();
     home.write("x.raw", [7; 4096]);
     let expected = home.run_badly("detect x.raw --out o", 1);
@@ -103,10 +115,6 @@ fn a_picture_of_a_file_without_header_says_what_is_missing() {
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains(words.trim()) && words.contains("--raw"), "{}", stderr(&output));
     assert!(!home.join("r.png").exists());
-}
-
-#[test]
-fn sizes_of_a_picture_that_make_no_sense_are_refused() {
     let home = folder();
     for size in ["", "1280", "0x0", "-5x9", "99999x99999"] {
         says(home.run_badly(&["render", "demo", "--out", "a.png", &format!("--size={size}")], 2), &["--size"]);
@@ -115,24 +123,6 @@ fn sizes_of_a_picture_that_make_no_sense_are_refused() {
         home.run_badly(&["render", "demo", "--out", "a.png", "--scale", scale], 2);
     }
     assert_eq!(names(&home), Vec::<String>::new());
-}
-
-#[test]
-fn a_list_that_is_played_writes_nothing_but_the_picture() {
-    let home = folder();
-    for name in ["a", "b"] {
-        let size = ["--width", "320", "--height", "240", "--frames", "2", "--discs", "5"];
-        let out = format!("ds/{name}");
-        home.run_well(&[&["synth", "chart", "--out", &out, "--quiet"][..], &size].concat());
-    }
-    for action in ["{ do = \"detect_all\" }", "\"detect_all_anyway\""] {
-        let list = format!(
-            "version = 1\ndid = [\n[{{ open_dataset = {{ paths = [\"./ds\"] }} }}],\n[{{ use_feature_folder = \"./victim\" }}],\n[{action}],\n]\n"
-        );
-        home.write("list.toml", list);
-        says(home.run_badly("render --play list.toml --out a.png", 2), &["detect_all", "writes files"]);
-        assert_eq!(names(&home), ["ds", "list.toml"]);
-    }
 }
 
 #[cfg(unix)]
@@ -159,7 +149,6 @@ fn names_are_one_word_for_a_shell_and_one_line_for_people() {
         assert!(!shell_word(text).contains('\n'));
         assert_eq!(printed(&shell_path(Path::new(text))), if text == "-x" { "./-x" } else { text });
     }
-    // Remedies for files of other programs.
     for (start, tool) in [(&b"\x1f\x8b"[..], "gunzip"), (b"\x89HDF\r\n\x1a\n", "python3"), (b"ZISRAWFILE", "bfconvert")]
     {
         let name = format!("{odd}.x");

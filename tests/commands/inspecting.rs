@@ -7,7 +7,6 @@ const GARLANDS: [&str; 3] = ["demo-aliasing", "--slopes-u", "-9:9:37"];
 #[test]
 fn probe_says_what_became_of_a_place() {
     let home = folder();
-    // The moon.
     let line = "probe demo --at 92,58 --slopes-u -3:3:13";
     let alike = "likely a real blob: the frames respond alike (coherence ";
     says(home.run_well(line), &["demo at (92, 58)", "noise gate", "kept as", "frame   0", alike]);
@@ -28,7 +27,7 @@ fn probe_says_what_became_of_a_place() {
 }
 
 #[test]
-fn probe_of_a_feature_is_that_of_its_place_and_draws_it() {
+fn probe_of_a_feature_is_that_of_its_place_and_a_price_is_what_the_option_gives() {
     let home = folder();
     let line = ["--slopes-u", "-3:3:13", "--quiet"];
     home.run_well(&[&["probe", "demo", "--feature", "0", "--plot", "deep/why.svg"], &line[..]].concat());
@@ -42,6 +41,18 @@ fn probe_of_a_feature_is_that_of_its_place_and_draws_it() {
     let found = home.run_json("probe demo --feature 0 --slopes-u -3:3:13 --json");
     let subject = found["probe"]["subject"]["fate"].as_u64().expect("a candidate") as usize;
     assert!(found["probe"]["fates"][subject]["features"].as_array().expect("indices").contains(&0.into()));
+    let home = folder();
+    let search = ["demo-low-contrast", "--slopes-u", "-2:2:9", "--noise-gate", "8"];
+    let asked = home.run_json(&[&["probe", "--json", "--at", "160,120", "--price"], &search[..]].concat());
+    let (probe, price) = (&asked["probe"], &asked["price"]);
+    let subject = probe["subject"]["fate"].as_u64().expect("a candidate is there") as usize;
+    let change = &probe["fates"][subject]["remedy"]["change"];
+    let (option, value) = (format!("--{}", change["parameter"].as_str().expect("a name")), change["value"].clone());
+    let option = [option.as_str(), value.as_str().expect("a value")];
+    let again = home.run_json(&[&["probe", "--json", "--at", "160,120"], &search[..3], &option[..]].concat());
+    assert_eq!((&price["now"], &price["then"]), (&asked["features"], &again["features"]), "{price}");
+    let text = home.run_well(&[&["probe", "--at", "160,120", "--price"], &search[..]].concat());
+    assert!(text.contains(&format!("{} keeps this one, and ", option.join(" "))), "{text}");
 }
 
 #[test]
@@ -64,35 +75,26 @@ fn an_option_that_probe_proposes_keeps_what_was_lost() {
 }
 
 #[test]
-fn the_price_of_an_option_is_what_it_then_gives() {
-    let home = folder();
-    let search = ["demo-low-contrast", "--slopes-u", "-2:2:9", "--noise-gate", "8"];
-    let asked = home.run_json(&[&["probe", "--json", "--at", "160,120", "--price"], &search[..]].concat());
-    let (probe, price) = (&asked["probe"], &asked["price"]);
-    let subject = probe["subject"]["fate"].as_u64().expect("a candidate is there") as usize;
-    let change = &probe["fates"][subject]["remedy"]["change"];
-    let (option, value) = (format!("--{}", change["parameter"].as_str().expect("a name")), change["value"].clone());
-    let option = [option.as_str(), value.as_str().expect("a value")];
-    let again = home.run_json(&[&["probe", "--json", "--at", "160,120"], &search[..3], &option[..]].concat());
-    assert_eq!((&price["now"], &price["then"]), (&asked["features"], &again["features"]), "{price}");
-    let text = home.run_well(&[&["probe", "--at", "160,120", "--price"], &search[..]].concat());
-    assert!(text.contains(&format!("{} keeps this one, and ", option.join(" "))), "{text}");
-}
-
-#[test]
-fn slopes_tells_what_is_there_and_what_to_change() {
+fn slopes_tells_what_is_there_what_to_change_and_garlands_a_period_away() {
     let home = folder();
     // The sign moves by −2.1 px/frame, the lanterns by 1.6: a range of ±1 holds neither.
     says(home.run_well("slopes demo --slopes-u -1:1:5"), &["beyond", "try --slopes-u"]);
     let narrow = home.run_json("slopes demo --slopes-u -1:1:5 --json");
     let advice = narrow["spectrum"]["advice"].as_array().expect("advice");
     assert!(advice.iter().any(|a| a["subject"] == "range" || a["subject"] == "direction"), "{advice:#?}");
-    // Slopes that were found need no advice.
     let found = home.run_json("slopes demo --json");
     assert_eq!(found["spectrum"]["advice"], Value::Array(Vec::new()));
     let bars = found["spectrum"]["bars"].as_array().expect("bars");
     let features: u64 = bars.iter().map(|bar| bar["features"].as_u64().expect("a count")).sum();
     assert_eq!(Some(features), found["spectrum"]["features"].as_u64());
+    let home = folder();
+    let text = home.run_well(&[&["slopes", "--plot", "garlands.svg"], &GARLANDS[..]].concat());
+    // The lamps move by 1 px/frame and stand 8 px apart.
+    let at_alias = text.lines().find_map(|line| line.trim().strip_prefix("−7 ")).expect("a row of the slope");
+    let features = at_alias.split_whitespace().next().and_then(|count| count.parse::<usize>().ok());
+    assert!(features.is_some_and(|count| count >= 10), "{text}");
+    let svg = home.text("garlands.svg");
+    assert!(roxmltree::Document::parse(&svg).is_ok() && svg.contains("1 176 features at 37 slopes"), "{svg}");
 }
 
 #[test]
@@ -118,18 +120,6 @@ fn slopes_and_detect_judge_the_slopes_in_the_same_words() {
 }
 
 #[test]
-fn slopes_has_the_features_of_garlands_a_period_away_and_draws_them() {
-    let home = folder();
-    let text = home.run_well(&[&["slopes", "--plot", "garlands.svg"], &GARLANDS[..]].concat());
-    // The lamps move by 1 px/frame and stand 8 px apart.
-    let at_alias = text.lines().find_map(|line| line.trim().strip_prefix("−7 ")).expect("a row of the slope");
-    let features = at_alias.split_whitespace().next().and_then(|count| count.parse::<usize>().ok());
-    assert!(features.is_some_and(|count| count >= 10), "{text}");
-    let svg = home.text("garlands.svg");
-    assert!(roxmltree::Document::parse(&svg).is_ok() && svg.contains("1 176 features at 37 slopes"), "{svg}");
-}
-
-#[test]
 fn decoys_says_how_much_is_found_in_other_orders_too() {
     let home = folder();
     let line = "decoys demo-crossing --slopes-u -2:2:5 --copies 2";
@@ -147,8 +137,7 @@ fn decoys_says_how_much_is_found_in_other_orders_too() {
     let text = home.run_well(&format!("{line} --threads 1"));
     let (rate, error) = (rates[0]["rate"].as_f64().expect("a rate"), rates[0]["error"].as_f64().expect("an error"));
     says(text, &["2 copies in other orders (seed 1)", &format!("{rate:.2} ± {error:.2}")]);
-    let other = home.run_json(&format!("{line} --seed 2 --json"));
-    assert_ne!(other["decoys"]["rates"], found["decoys"]["rates"]);
+    assert_ne!(home.run_json(&format!("{line} --seed 2 --json"))["decoys"]["rates"], found["decoys"]["rates"]);
 }
 
 #[test]
@@ -176,7 +165,7 @@ fn wrong_use_says_what_would_be_right() {
 }
 
 #[test]
-fn the_examples_are_bursts_like_any_other() {
+fn the_examples_are_bursts_like_any_other_and_documents_have_the_digits_of_32_bit_numbers() {
     let home = folder();
     for name in ["demo-aliasing", "demo-low-contrast", "demo-crossing"] {
         home.run_well(&["detect", name, "--slopes-u", "-2:2:5", "--out", "found"]);
@@ -184,10 +173,6 @@ fn the_examples_are_bursts_like_any_other() {
     }
     home.run_well("render demo-aliasing --no-detect --out x.png");
     assert!(home.join("x.png").is_file(), "the window opens them too");
-}
-
-#[test]
-fn documents_have_the_digits_of_32_bit_numbers() {
     let home = folder();
     let search = ["--octaves", "2", "--edge-threshold", "8.1", "--json"];
     for command in [&["probe", "demo", "--at", "92,58"][..], &["slopes", "demo"]] {

@@ -31,7 +31,7 @@ fn interrupt(home: &Path, arguments: &[&str], signal: &str) -> Option<i32> {
 }
 
 #[test]
-fn long_work_stops_and_leaves_nothing() {
+fn long_work_stops_and_leaves_nothing_and_a_second_request_ends_it_at_once() {
     for (line, there) in [
         ("synth chart --out big --width 3000 --height 2000 --frames 350 --threads 1", &[][..]),
         ("detect chart --slopes-u -3:3:61 --slopes-v -3:3:61 --first-octave -1 --threads 1 --out found", &["chart"]),
@@ -46,10 +46,16 @@ fn long_work_stops_and_leaves_nothing() {
             assert_eq!(names(&home), there, "{line}");
         }
     }
+    let home = folder();
+    let child = home.start("evaluate chart --motion 2d --seeds 500 --threads 1");
+    at_work(&child);
+    send("-TERM", child.id());
+    send("-INT", child.id());
+    assert_eq!(ended(child).status.code(), Some(130));
 }
 
 #[test]
-fn figures_stop_and_leave_none_half_made() {
+fn figures_stop_and_leave_none_half_made_and_a_burst_in_a_dataset_stops_and_the_folder_goes_on_later() {
     let home = folder();
     let arguments = ["figures", "--out", "paper", "--only", "fig5", "--no-colmap", "--threads", "1"];
     for signal in signals() {
@@ -57,10 +63,6 @@ fn figures_stop_and_leave_none_half_made() {
         let left = names(&home.join("paper"));
         assert!(left.iter().all(|name| name == "records" || name.starts_with('.')), "{left:?}");
     }
-}
-
-#[test]
-fn a_burst_in_a_dataset_stops_and_the_folder_goes_on_later() {
     let home = folder();
     for name in ["a", "b"] {
         home.run_well(&["synth", "chart", "--out", &format!("nights/{name}"), "--frames", "4", "--quiet"]);
@@ -94,16 +96,6 @@ fn a_film_or_a_case_that_is_written_stops_and_leaves_nothing() {
         assert_eq!(output.status.code(), Some(130), "{command:?}: {}", stderr(&output));
         assert_eq!(names(&home), ["a"], "{command:?}");
     }
-}
-
-#[test]
-fn a_second_request_ends_it_at_once() {
-    let home = folder();
-    let child = home.start("evaluate chart --motion 2d --seeds 500 --threads 1");
-    at_work(&child);
-    send("-TERM", child.id());
-    send("-INT", child.id());
-    assert_eq!(ended(child).status.code(), Some(130));
 }
 
 /// A run started by `nohup` outlives its terminal.

@@ -48,12 +48,9 @@ fn made(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn same(folder: &Path, expected: &BTreeMap<String, Vec<u8>>, what: &str) {
     let made = made(folder);
     assert!(made.keys().eq(expected.keys()), "{what}: {:?}", made.keys().collect::<Vec<_>>());
-    for (name, content) in &made {
-        assert!(*content == expected[name], "{what}: {name} differs");
-    }
+    made.iter().for_each(|(name, content)| assert!(*content == expected[name], "{what}: {name} differs"));
 }
 
-/// The folders of a dataset in which files are written, below it.
 fn parts(folder: &Path) -> Vec<String> {
     let pairs = fs::read_dir(folder.join("records/pairs")).into_iter().flatten().flatten();
     let of_pairs = pairs.map(|entry| format!("records/pairs/{}", entry.file_name().to_string_lossy()));
@@ -66,10 +63,8 @@ fn written(folder: &Path) -> BTreeSet<(String, SystemTime)> {
     for part in parts(folder) {
         // A file may disappear between listing and reading it.
         for entry in fs::read_dir(folder.join(&part)).into_iter().flatten().flatten() {
-            if let Some(at) = entry.metadata().ok().filter(|data| data.is_file()).and_then(|data| data.modified().ok())
-            {
-                written.insert((format!("{part}/{}", entry.file_name().to_string_lossy()), at));
-            }
+            let at = entry.metadata().ok().filter(|data| data.is_file()).and_then(|data| data.modified().ok());
+            written.extend(at.map(|at| (format!("{part}/{}", entry.file_name().to_string_lossy()), at)));
         }
     }
     written
@@ -141,13 +136,12 @@ fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
     let digit = text.char_indices().filter(|(_, c)| c.is_ascii_digit()).nth(40).expect("numbers").0;
     let other = if text[digit..].starts_with('7') { "8" } else { "7" };
     fs::write(&first, format!("{}{other}{}", &text[..digit], &text[digit + 1..])).expect("written");
-    let resumed = |home: &Path| {
-        let json = home.run_json(&[&arguments("rec", "12")[..], &["--json"]].concat());
-        json["images"].as_array().expect("images").iter().filter(|image| image["resumed"] == true).count()
-    };
-    assert_eq!(resumed(&home), 19);
+    let count = || resumed(&home, &arguments("rec", "12")).into_iter().filter(|is| *is).count();
+    assert_eq!(count(), 19);
     same(&folder, &expected, "altered");
-    assert_eq!(resumed(&home), 20);
+    assert_eq!(count(), 20);
+    fs::remove_file(&first).expect("removed");
+    assert_eq!(count(), 19, "a file that is gone is made again");
     // A folder in the way of a record: the burst is reported as failed, and its features do not count as finished.
     let record = folder.join("records").join(&names(&folder.join("records"))[0]);
     fs::remove_file(&record).expect("removed");
@@ -158,13 +152,11 @@ fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
     same(&folder, &expected, "in the way");
 }
 
-/// Makes a small chart with these further options.
 fn small_chart(home: &Path, out: &str, seed: u32, more: &str) {
     let size = "--width 96 --height 72 --discs 4 --radius 3:6";
     home.run_well(&format!("synth chart --out {out} --seed {seed} {size} {more}"));
 }
 
-/// A folder with two bursts of three frames whose files all have one length.
 fn nights() -> Folder {
     let home = folder();
     for (night, seed) in [("a", 1), ("b", 2)] {
@@ -178,11 +170,15 @@ fn nights() -> Folder {
     home
 }
 
-/// For each burst of `nights`, whether it was taken from an earlier run into the folder `rec`.
-fn resumed(home: &Path, more: &[&str]) -> Vec<bool> {
-    let arguments = ["colmap", "nights", "--out", "rec", "--slopes-u", "-1:1:3", "--octaves", "2", "--json"];
-    let json = home.run_json(&[&arguments, more].concat());
+/// For each burst whether it was taken from an earlier run.
+fn resumed(home: &Path, line: &[&str]) -> Vec<bool> {
+    let json = home.run_json(&[line, &["--json"]].concat());
     json["images"].as_array().expect("images").iter().map(|image| image["resumed"] == true).collect()
+}
+
+/// Runs `nights` into the folder `rec`.
+fn rec(home: &Path, more: &[&str]) -> Vec<bool> {
+    resumed(home, &[&["colmap", "nights", "--out", "rec", "--slopes-u", "-1:1:3", "--octaves", "2"], more].concat())
 }
 
 #[test]
@@ -199,12 +195,9 @@ fn colmap_keeps_faint_features_unless_told_otherwise() {
     };
     let (of_command, kept) = gate("rec", &[]);
     let (as_told, fewer) = gate("rec2", &["--noise-gate", "auto"]);
-    assert_eq!((of_command, as_told), (Some("matching"), Some("auto")));
-    assert!(kept > fewer, "{kept} {fewer}");
+    assert!((of_command, as_told) == (Some("matching"), Some("auto")) && kept > fewer, "{kept} {fewer}");
     assert_eq!(gate("rec3", &["--params", "mine.toml"]).0, Some("auto"), "a parameter file has the usual defaults");
-    // The slopes are found, as everywhere, unless they are given.
-    let json = home.run_json("colmap nights --octaves 2 --json --out rec4");
-    assert_eq!(json["params"]["slopes"], "auto");
+    assert_eq!(home.run_json("colmap nights --octaves 2 --json --out rec4")["params"]["slopes"], "auto");
     says(home.run_well("colmap --help"), &["[default of this command: matching]"]);
 }
 
@@ -212,7 +205,7 @@ fn colmap_keeps_faint_features_unless_told_otherwise() {
 fn features_are_kept_for_frames_of_the_same_content() {
     let home = nights();
     let at = |name: &str| home.join(name);
-    assert_eq!(resumed(&home, &[]), [false, false]);
+    assert_eq!(rec(&home, &[]), [false, false]);
     let first = made(&at("rec"));
     // Other access rights, another date, a copy in the frame's place: the content is the same.
     let frame = at("nights/a/1.pgm");
@@ -220,44 +213,39 @@ fn features_are_kept_for_frames_of_the_same_content() {
     let modified = modified.expect("a time");
     let set_modified = |time| fs::File::options().write(true).open(&frame).and_then(|file| file.set_modified(time));
     set_modified(modified - Duration::from_secs(60)).expect("set");
-    assert_eq!(resumed(&home, &[]), [true, true]);
+    assert_eq!(rec(&home, &[]), [true, true]);
     fs::write(at("copy.pgm"), &content).and_then(|()| fs::rename(at("copy.pgm"), &frame)).expect("replaced");
-    assert_eq!(resumed(&home, &[]), [true, true]);
-    assert_eq!(resumed(&home, &["--check-content"]), [true, true]);
-    // Another frame of the same length and date.
+    assert_eq!(rec(&home, &[]), [true, true]);
+    assert_eq!(rec(&home, &["--check-content"]), [true, true]);
     let other = fs::read(at("nights/b/1.pgm")).expect("read");
     assert!(other.len() == content.len() && other != content);
     set_modified(modified).expect("set");
-    resumed(&home, &[]);
+    rec(&home, &[]);
     fs::write(&frame, &other).and_then(|()| set_modified(modified)).expect("replaced");
     if cfg!(unix) {
-        assert_eq!(resumed(&home, &[]), [false, true]);
+        assert_eq!(rec(&home, &[]), [false, true]);
         assert!(made(&at("rec")) != first, "other frames have other features");
     }
     fs::write(&frame, &content).expect("put back");
-    resumed(&home, &["--check-content"]);
+    rec(&home, &["--check-content"]);
     same(&at("rec"), &first, "put back");
 }
 
 #[test]
-fn the_content_decides_when_it_is_asked_for() {
+fn the_content_decides_when_it_is_asked_for_and_a_picture_that_was_emptied_or_altered_is_written_again() {
     let home = nights();
-    resumed(&home, &[]);
+    rec(&home, &[]);
     let record = home.join("rec/records/a.png.json");
     // As if the frame had changed, with length and times unchanged.
     let text = fs::read_to_string(&record).expect("a record");
     let mut json: Value = serde_json::from_str(&text).expect("JSON");
     json["files"][1]["crc32"] = serde_json::json!(1);
     fs::write(&record, json.to_string()).expect("written");
-    assert_eq!(resumed(&home, &[]), [true, true]);
-    assert_eq!(resumed(&home, &["--check-content"]), [false, true]);
-    assert_eq!(resumed(&home, &["--check-content"]), [true, true]);
-}
-
-#[test]
-fn a_picture_that_was_emptied_or_altered_is_written_again() {
+    assert_eq!(rec(&home, &[]), [true, true]);
+    assert_eq!(rec(&home, &["--check-content"]), [false, true]);
+    assert_eq!(rec(&home, &["--check-content"]), [true, true]);
     let home = nights();
-    resumed(&home, &[]);
+    rec(&home, &[]);
     let first = made(&home.join("rec"));
     let picture = home.join("rec/images/b.png");
     let whole = fs::read(&picture).expect("a picture");
@@ -265,26 +253,12 @@ fn a_picture_that_was_emptied_or_altered_is_written_again() {
     altered[whole.len() / 2] ^= 1;
     for wrong in [&b""[..], &whole[..whole.len() / 2], &altered] {
         fs::write(&picture, wrong).expect("written");
-        assert_eq!(resumed(&home, &[]), [true, true], "its features are whole");
+        assert_eq!(rec(&home, &[]), [true, true], "its features are whole");
         same(&home.join("rec"), &first, "written again");
     }
     fs::remove_file(&picture).expect("removed");
-    assert_eq!(resumed(&home, &[]), [true, true]);
+    assert_eq!(rec(&home, &[]), [true, true]);
     same(&home.join("rec"), &first, "made again");
-}
-
-#[test]
-fn two_processes_do_not_write_into_one_folder() {
-    let home = film();
-    home.make_dir("rec");
-    let lock = home.join("rec/.burstscope-lock");
-    fs::write(&lock, "process 4711 on lighthouse\n").expect("written");
-    let file = fs::OpenOptions::new().read(true).write(true).open(&lock).expect("opened");
-    file.try_lock().expect("free");
-    says(home.run_badly(&arguments("rec", "12"), 1), &["process 4711 on lighthouse writes into this folder"]);
-    drop(file);
-    std::thread::sleep(Duration::from_millis(1));
-    home.run_well(&arguments("rec", "12"));
 }
 
 #[test]
@@ -318,9 +292,9 @@ fn what_several_runs_have_found_is_gathered() {
     assert!(words.contains("--gather one: a, b not taken"), "{words}");
     says(&words, &["other options (edge-threshold)", "--gather film: it holds none of these bursts"]);
     let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(json["gathered"]["brought"], serde_json::json!([]));
-    assert_eq!(json["gathered"]["left_out"][1]["burst"], "b");
-    assert!(json["gathered"]["left_out"][1]["reason"].as_str().is_some_and(|why| why.contains("edge-threshold")));
-    assert_eq!(json["gathered"]["strange_folders"], serde_json::json!(["film"]));
+    let (gathered, left_out) = (&json["gathered"], &json["gathered"]["left_out"][1]);
+    assert_eq!((&gathered["brought"], &left_out["burst"]), (&serde_json::json!([]), &"b".into()));
+    assert!(left_out["reason"].as_str().is_some_and(|why| why.contains("edge-threshold")));
+    assert_eq!(gathered["strange_folders"], serde_json::json!(["film"]));
     says(home.run_badly("colmap nights --out none --gather gone", 1), &["gone"]);
 }

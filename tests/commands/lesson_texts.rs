@@ -1,8 +1,7 @@
 //! Texts of lessons: what is read of them, and how mistakes are said.
 
 use crate::shared::folder;
-use burstscope::teach::glossary::glossary;
-use burstscope::teach::{Layout, Lesson, Part, Workspace, built_in, lessons_at};
+use burstscope::teach::{Layout, Lesson, Part, Workspace, built_in, glossary::glossary, lessons_at};
 use proptest::prelude::*;
 
 const GOOD: &str = r#"title = "One"
@@ -25,7 +24,6 @@ caption = "More."
 slope = [2, 0]
 "#;
 
-/// Names and texts of the built-in lessons.
 fn texts() -> Vec<(String, String)> {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/lessons");
     let files = std::fs::read_dir(folder).expect("lessons").map(|entry| entry.expect("a lesson").path());
@@ -34,7 +32,7 @@ fn texts() -> Vec<(String, String)> {
 }
 
 #[test]
-fn a_lesson_is_read_and_its_steps_have_what_it_sets_for_all() {
+fn a_lesson_is_read_and_one_of_when_methods_were_a_workspace_asks_for_their_layout() {
     let lesson = Lesson::read("folder/one.toml", GOOD).expect("good");
     assert_eq!((lesson.name.as_str(), lesson.title.as_str(), lesson.steps.len()), ("one", "One", 2));
     let [first, second] = &lesson.steps[..] else { panic!("two steps") };
@@ -42,11 +40,6 @@ fn a_lesson_is_read_and_its_steps_have_what_it_sets_for_all() {
     assert_eq!(first.state.burst(), second.state.burst());
     assert_eq!(first.highlight, [Part::SlopeU, Part::Parameter("noise-gate")]);
     assert!(first.task.is_some() && second.task.is_none());
-}
-
-/// *Methods* was a workspace of its own once.
-#[test]
-fn a_lesson_of_when_methods_were_a_workspace_asks_for_their_layout() {
     let goal = GOOD.replace("goal = { slope_u = [-1, 1] }", "goal = { workspace=\"methods\", detects = true }");
     let lesson = Lesson::read("one.toml", &goal.replace("slope = [2, 0]", "workspace = 'methods'")).expect("good");
     let [first, second] = &lesson.steps[..] else { panic!("two steps") };
@@ -89,7 +82,7 @@ fn a_mistake_is_said_with_its_line() {
 }
 
 #[test]
-fn a_folder_is_read_in_the_order_of_its_names_or_every_mistake_is_said() {
+fn folders_are_read_in_the_order_of_names_and_every_lesson_and_its_links_are_whole() {
     let folder = folder();
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("written");
     assert!(lessons_at(&folder).expect_err("empty")[0].problem.contains("no lesson"));
@@ -105,29 +98,6 @@ fn a_folder_is_read_in_the_order_of_its_names_or_every_mistake_is_said() {
     assert!(errors[0].subject.ends_with("bad.toml, line 1"), "{}", errors[0]);
     assert_eq!(lessons_at(&folder.join("9.toml")).expect("good").len(), 1);
     assert!(lessons_at(&folder.join("none.toml")).is_err());
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(200))]
-    #[test]
-    fn no_damaged_lesson_makes_it_panic(which in 0usize..99, at in 0usize..9000, junk in "[a-z0-9=\\[\\]\"{}.\\-\n]{0,6}") {
-        let texts = texts();
-    let (name, text) = &texts[which % texts.len()];
-        let mut at = at % (text.len() + 1);
-        while !text.is_char_boundary(at) { at -= 1; }
-        let mut text = text.clone();
-        text.insert_str(at, &junk);
-        if let Err(error) = Lesson::read(name, &text) {
-            let lines = text.lines().count() + 1;
-            let line = error.subject.rsplit_once(", line ").map(|(_, line)| line.parse::<usize>());
-            prop_assert!(line.is_none_or(|line| line.is_ok_and(|line| (1..=lines).contains(&line))), "{error}");
-            prop_assert!(!error.problem.is_empty());
-        }
-    }
-}
-
-#[test]
-fn every_lesson_is_whole_and_its_links_lead_to_the_glossary() {
     assert!(texts().len() >= 9);
     for lesson in built_in() {
         assert_eq!(lesson.learnt.len(), 3, "{}: three lines of what was learnt", lesson.name);
@@ -147,6 +117,25 @@ fn every_lesson_is_whole_and_its_links_lead_to_the_glossary() {
                 let name = link.split(')').next().expect("a part");
                 assert!(glossary().find(name).is_some(), "{place}: no word is called '{name}'");
             }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+    #[test]
+    fn no_damaged_lesson_makes_it_panic(which in 0usize..99, at in 0usize..9000, junk in "[a-z0-9=\\[\\]\"{}.\\-\n]{0,6}") {
+        let texts = texts();
+    let (name, text) = &texts[which % texts.len()];
+        let mut at = at % (text.len() + 1);
+        while !text.is_char_boundary(at) { at -= 1; }
+        let mut text = text.clone();
+        text.insert_str(at, &junk);
+        if let Err(error) = Lesson::read(name, &text) {
+            let lines = text.lines().count() + 1;
+            let line = error.subject.rsplit_once(", line ").map(|(_, line)| line.parse::<usize>());
+            prop_assert!(line.is_none_or(|line| line.is_ok_and(|line| (1..=lines).contains(&line))), "{error}");
+            prop_assert!(!error.problem.is_empty());
         }
     }
 }

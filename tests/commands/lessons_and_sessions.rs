@@ -4,10 +4,7 @@
 
 use crate::damage::{absurd, absurd_tomls, at, damage, damaged_text, numbers, says_something};
 use crate::support::*;
-use burstscope::app::apply;
-use burstscope::app::document::action::Reselect;
-use burstscope::app::results::{Model, Read};
-use burstscope::app::session::Session;
+use burstscope::app::{apply, document::action::Reselect, results::Model, results::Read, session::Session};
 use burstscope::detector::SlopeAxis;
 use burstscope::inspect::slopes::SetUp;
 use burstscope::recover::RecoverStudy;
@@ -188,8 +185,7 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
     ] {
         let path = format!("{part}.{path}");
         let said = refused.iter().find(|(of, with, _)| (of.as_str(), with.as_str()) == (&*path, value));
-        let said = said.unwrap_or_else(|| panic!("{path} = {value} was taken"));
-        says(&said.2, &[&format!("{part}: {words}")]);
+        says(&said.unwrap_or_else(|| panic!("{path} = {value} was taken")).2, &[&format!("{part}: {words}")]);
     }
     let beyond = text.replacen("smoothing_px = 1.5", "smoothing_px = 18446744073709551615", 1);
     assert!(Session::from_toml(&beyond).is_err());

@@ -11,7 +11,6 @@ fn put(home: &Path, files: &[(&str, &str)]) {
     }
 }
 
-/// Checks that the command is refused with these words, and changes nothing.
 fn refused(home: &Path, arguments: &[&str], words: &[&str]) {
     let before = contents(home);
     says(home.run_badly(arguments, 1), words);
@@ -94,7 +93,6 @@ fn files_of_others_in_a_dataset_of_ours_stay() {
     database.execute_batch("CREATE TABLE added (id INTEGER); PRAGMA user_version = 3120;").expect("added");
     drop(database);
     home.run_well(&colmap);
-    // The folders of a dataset do not lead out of it.
     for part in ["images", "features", "records", "records/pairs", "records/pairs/a.png"] {
         let (inside, outside) = (at(&format!("rec/{part}")), at(&format!("elsewhere {}", part.replace('/', " "))));
         fs::rename(&inside, &outside).expect("moved");
@@ -107,7 +105,7 @@ fn files_of_others_in_a_dataset_of_ours_stay() {
 }
 
 #[test]
-fn records_make_no_folder_of_figures() {
+fn records_make_no_folder_of_figures_and_cameras_and_files_beside_a_series_stay() {
     let home = folder();
     put(&home, &[("mine/records/pieces/a.json", "{}"), ("mine/fig9.svg", "mine"), ("mine/index.html", "mine")]);
     let figures = |out: &'static str| ["figures", "--out", out, "--quick", "--no-colmap", "--only", "fig9"];
@@ -120,6 +118,20 @@ fn records_make_no_folder_of_figures() {
     fs::rename(home.join("ours/records"), home.join("elsewhere")).expect("moved");
     std::os::unix::fs::symlink(home.join("elsewhere"), home.join("ours/records")).expect("linked");
     refused(&home, &figures("ours"), &["links are not followed", "records"]);
+    let home = home_with(&["a", "b"]);
+    let camera = "model = \"SIMPLE_PINHOLE\"\nwidth = 96\nheight = 72\nparams = [100.0, 48.0, 36.0]\n";
+    put(&home, &[("camera.toml", camera)]);
+    home.make_dir("out");
+    fs::hard_link(home.join("camera.toml"), home.join("out/a.csv")).expect("linked");
+    let matching = ["match", "a", "b", "--camera", "camera.toml", "--out", "out", "--force"];
+    refused(&home, &[&matching[..], &SEARCH].concat(), &["files that were opened are never written to"]);
+    let home = home_with(&["a"]);
+    put(&home, &[("y.png", "a picture of somebody")]);
+    let film = "film a --sweep frames --no-features --out y.png";
+    home.run_well(&format!("{film} --force"));
+    home.run_well(film);
+    assert!(home.join("y-000.png").is_file());
+    assert_eq!(fs::read(home.join("y.png")).expect("there"), b"a picture of somebody");
 }
 
 /// A TIFF with the name of the program in the field for it.
@@ -186,26 +198,4 @@ fn an_mp4_replaces_no_film_of_others() {
     bytes[place] ^= 1;
     fs::write(path, bytes).expect("written");
     refused(&home, &film, &["not as it is now", "x.mp4"]);
-}
-
-#[test]
-fn a_series_of_pictures_leaves_the_file_whose_name_it_goes_by_alone() {
-    let home = home_with(&["a"]);
-    put(&home, &[("y.png", "a picture of somebody")]);
-    let film = "film a --sweep frames --no-features --out y.png";
-    home.run_well(&format!("{film} --force"));
-    home.run_well(film);
-    assert!(home.join("y-000.png").is_file());
-    assert_eq!(fs::read(home.join("y.png")).expect("there"), b"a picture of somebody");
-}
-
-#[test]
-fn the_file_of_a_camera_is_not_written_over() {
-    let home = home_with(&["a", "b"]);
-    let camera = "model = \"SIMPLE_PINHOLE\"\nwidth = 96\nheight = 72\nparams = [100.0, 48.0, 36.0]\n";
-    put(&home, &[("camera.toml", camera)]);
-    home.make_dir("out");
-    fs::hard_link(home.join("camera.toml"), home.join("out/a.csv")).expect("linked");
-    let matching = ["match", "a", "b", "--camera", "camera.toml", "--out", "out", "--force"];
-    refused(&home, &[&matching[..], &SEARCH].concat(), &["files that were opened are never written to"]);
 }

@@ -31,7 +31,6 @@ fn two_bursts_are_matched_verified_and_drawn() {
     let text = home.run_well(&[&["match", "a", "b", "--out", "m"], &search[..]].concat());
     assert_eq!(names(&home.join("m")), ["a.csv", "a_b.matches.csv", "a_b.matches.png", "b.csv"]);
     assert!(text.contains("inliers") && text.contains("match score"), "{text}");
-
     let json = home.run_json(
         &[&["match", "a", "b", "--out", "n", "--json", "--images", "merged", "--threads", "1"], &search[..2]].concat(),
     );
@@ -40,7 +39,6 @@ fn two_bursts_are_matched_verified_and_drawn() {
     let (a, b) = (features(&out("a.csv")), features(&out("b.csv")));
     assert_eq!((count("keypoints_a"), count("keypoints_b")), (a.len(), b.len()));
     assert_eq!((json["command"].as_str(), json["a"]["features"].as_u64()), (Some("match"), Some(a.len() as u64)));
-
     let text = fs::read_to_string(out("a_b.matches.csv")).expect("a file");
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some(burstscope::export::MATCH_COLUMNS));
@@ -81,11 +79,9 @@ fn two_bursts_are_matched_verified_and_drawn() {
     assert!((score - expected).abs() < 1e-9);
     assert_eq!(json["model"]["kind"].as_str(), Some("fundamental"));
     assert_eq!(json["model"]["matrix"][2].as_array().map(Vec::len), Some(3));
-
     let picture = image::open(out("a_b.matches.png")).expect("a picture").to_rgb8();
     assert_eq!(picture.width(), 2138, "181 mm with 300 pixels an inch");
     assert!(picture.pixels().any(|p| p.0 == burstscope::export::MatchKind::Inlier.color()), "the legend's line");
-    // The number of threads changes nothing; --images changes the picture.
     let read = |folder: &str, file: &str| fs::read(home.join(folder).join(file)).expect("a file");
     assert_eq!(read("m", "a_b.matches.csv"), read("n", "a_b.matches.csv"));
     assert_ne!(read("m", "a_b.matches.png"), read("n", "a_b.matches.png"));
@@ -119,7 +115,6 @@ fn matches_may_stay_unverified_and_wrong_use_is_explained() {
         ["demo.csv", "demo_2.csv", "demo_demo_2.matches.csv", "demo_demo_2.matches.png"]
     );
     let text = home.text("m/demo_demo_2.matches.csv");
-    // Nothing was verified, so that there is no error, no inlier and no alignment, and no word for it.
     let is_empty = |line: &str| [8, 9, 10, 11, 12, 20].iter().all(|k| line.split(',').nth(*k) == Some(""));
     assert!(text.lines().skip(1).all(is_empty) && !text.contains("nan") && !text.contains("inf,"));
     for (arguments, code, words) in [
@@ -268,7 +263,6 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
         if !matching.align {
             assert_eq!(counts, expected.iter().map(in_files).collect::<Vec<_>>(), "colmap of three, {matching:?}");
         }
-        // From features in memory, as Python has them, it is the same.
         let in_memory = [of(0), of(1), of(2)];
         let again = export_detections(&home.join(format!("memory{number}")), &in_memory, &job, &monitor).expect("done");
         assert_eq!((again.pairs, again.moved), (report.pairs, report.moved), "{matching:?}");
@@ -284,12 +278,10 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
         assert_eq!(of_window, expected, "the window's dataset, {matching:?}");
         all.push(expected);
     }
-    // Each option does something.
     assert!(all.iter().enumerate().all(|(k, one)| k == 0 || *one != all[0]), "{all:?}");
     let inliers = |k: usize| all[k].iter().filter_map(|counts| counts.inliers).sum::<usize>();
     assert!(inliers(0) > 100, "the alignment leaves some out: {} {}", inliers(1), inliers(0));
     assert!(inliers(1) > inliers(0), "the alignment leaves some out: {} {}", inliers(1), inliers(0));
-    // The commands say so too.
     let search = ["--slopes-u", "-2:2:9", "--json"];
     let told = home.run_json(&[&["evaluate", "matches", "nights", "--methods", "buff-1d"], &search[..]].concat());
     let pair = home.run_json(&[&["match", "nights/a", "nights/b", "--out", "m"], &search[..]].concat());

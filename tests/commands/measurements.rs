@@ -9,13 +9,11 @@
 //! `all`) runs the commands first, which can take long, and stores what they give; inputs are found in the folder of
 //! real frames.
 
-use super::house::documents::documents;
-use super::shared::shared;
+use super::{house::documents::documents, shared::shared};
 use crate::support::*;
 use burstscope::detector::feature::REVISION;
 use serde_json::{Map, json};
 
-/// Documents whose tables are measured.
 const DOCUMENTS: [&str; 2] = ["docs/MEASUREMENTS.md", "docs/PAPER.md"];
 const MARK: &str = "<!-- measured ";
 /// Words above a table, or in its paragraph, that tell what its numbers are of, where no stored result has them: these
@@ -101,7 +99,6 @@ fn output(home: &Path, command: &str) -> Value {
     Value::Array(lines.map(row).collect())
 }
 
-/// Runs the commands of a result, and stores the values that its cells name.
 fn measure(name: &str) {
     let mut result: Value = read(&stored(name));
     let home = folder();

@@ -6,7 +6,7 @@ use crate::support::*;
 const SMALL: [&str; 10] = ["--width", "260", "--height", "200", "--discs", "8", "--max-slope", "1", "--seeds", "1"];
 
 #[test]
-fn charts_give_a_table_and_a_figure() {
+fn charts_give_a_table_and_a_figure_and_advice_is_counted_against_the_truth() {
     let home = folder();
     let few = ["--snr", "0.8,2", "--methods", "sift-frame,buff-1d", "--plot", "figures/roc.svg"];
     let arguments = [&["evaluate", "chart"], &SMALL[..], &few].concat();
@@ -17,6 +17,17 @@ fn charts_give_a_table_and_a_figure() {
     let svg = home.text("figures/roc.svg");
     assert!(svg.contains("SNR 0.8") && svg.contains("SNR 2"));
     assert_eq!(names(&home.join("figures")), ["roc.svg"]);
+    let line = "evaluate advice --snr 2 --seeds 1";
+    let report = home.run_json(&format!("{line} --json"));
+    let said = report["said"].as_object().expect("a table").values();
+    let counts = said.flat_map(|truths| truths.as_object().expect("counts").values());
+    let bursts = report["bursts"].as_array().expect("bursts");
+    assert_eq!(counts.filter_map(Value::as_u64).sum::<u64>(), bursts.len() as u64);
+    let narrow = bursts.iter().find(|burst| burst["kind"] == "narrow").expect("a burst of each kind");
+    let sentence = narrow["sentence"].as_str().expect("words");
+    assert!(narrow["said"] == "range" && sentence.contains("beyond the range"), "{narrow}");
+    says(home.run_well(&format!("{line} --threads 1")), &["said \\ true", "exchanged"]);
+    assert!(home.run_badly("evaluate advice --seeds 0", 2).contains("--seeds"));
 }
 
 #[test]
@@ -54,12 +65,10 @@ fn accuracy_and_noise_give_tables_and_json() {
     assert!(report["rows"][0]["u"]["median_magnitude"].as_f64().expect("a number") < 0.5);
     assert_eq!(report["apart"]["chart"]["discs"], 2);
     assert_eq!(report["apart"]["rows"][0]["apart"], report["apart"]["rows"][0]["u"]["count"]);
-    // Where nothing is found there is no error to tell.
     let blind = home.run_well(&[&accuracy[..], &["--peak-threshold", "9"]].concat());
     let place = blind.lines().find(|line| line.contains("place u, px")).expect("a line");
     assert_eq!(place.split_whitespace().skip(3).collect::<Vec<_>>(), ["–", "–", "–"], "{blind}");
     assert!(!blind.contains("NaN"), "{blind}");
-
     let noise = ["evaluate", "noise", "--megapixels", "0.05", "--width", "200", "--height", "150", "--sigma", "0.02"];
     let table = home.run_well(&[&noise[..], &["--bits", "none,12", "--noise-gate", "3"]].concat());
     assert!(table.contains("BuFF 2D, 49 slopes") && table.contains("3.00 σ"), "{table}");
@@ -80,7 +89,6 @@ fn frames_are_counted_on_charts_and_in_a_burst() {
     assert_eq!((report["command"].as_str(), counts), (Some("evaluate frames"), vec![Some(2), Some(4)]));
     let svg = home.text("charts.svg");
     assert!(svg.contains("number of frames") && svg.contains("SIFT, one frame"), "{svg}");
-
     let made = "synth chart --width 200 --height 150 --discs 6 --max-slope 1 --frames 5";
     home.run_well(&format!("{made} --snr 2 --out night"));
     let slopes = ["--slopes-u", "-1:1:5", "--plot", "burst.svg"];
@@ -123,20 +131,4 @@ fn wrong_use_says_what_would_be_right() {
         says(home.run_badly(arguments, 2), &[words]);
     }
     assert!(names(&home).is_empty());
-}
-
-#[test]
-fn advice_is_counted_against_the_truth() {
-    let home = folder();
-    let line = "evaluate advice --snr 2 --seeds 1";
-    let report = home.run_json(&format!("{line} --json"));
-    let said = report["said"].as_object().expect("a table").values();
-    let counts = said.flat_map(|truths| truths.as_object().expect("counts").values());
-    let bursts = report["bursts"].as_array().expect("bursts");
-    assert_eq!(counts.filter_map(Value::as_u64).sum::<u64>(), bursts.len() as u64);
-    let narrow = bursts.iter().find(|burst| burst["kind"] == "narrow").expect("a burst of each kind");
-    let sentence = narrow["sentence"].as_str().expect("words");
-    assert!(narrow["said"] == "range" && sentence.contains("beyond the range"), "{narrow}");
-    says(home.run_well(&format!("{line} --threads 1")), &["said \\ true", "exchanged"]);
-    assert!(home.run_badly("evaluate advice --seeds 0", 2).contains("--seeds"));
 }

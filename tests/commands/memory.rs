@@ -16,7 +16,7 @@ fn write_infinite_stack(path: &Path, frames: usize, (width, height): (usize, usi
 }
 
 #[test]
-fn a_small_budget_is_kept_with_fewer_threads_and_the_same_features() {
+fn a_small_budget_is_kept_with_the_same_features_or_refused_before_a_pixel_is_read() {
     let home = folder();
     home.run_well("synth chart --out a --quiet");
     let detect = |out: &str, more: &[&str]| {
@@ -29,10 +29,6 @@ fn a_small_budget_is_kept_with_fewer_threads_and_the_same_features() {
     assert_eq!(detect("seven", &["--threads", "7", "--memory", "60M"]), whole);
     assert_eq!(detect("one", &["--threads", "1", "--memory", "60M"]), whole);
     assert!(whole.lines().count() > 1);
-}
-
-#[test]
-fn a_search_beyond_the_budget_is_refused_before_a_pixel_is_read() {
     let home = folder();
     write_infinite_stack(&home.join("large.npy"), 10, (2000, 1000));
     let found = ["detect", "large.npy", "--out", "found"];

@@ -36,7 +36,6 @@ fn no_command_writes_over_what_it_opens() {
     let folder = ["stack", "tb", "--slope", "0,0", "--out", "folder.tiff"];
     home.make_dir("folder.tiff");
     refused_always(&home, &folder, "this is a folder or a device, not a file");
-    // Files one by one and through a link, files that Burstscope wrote itself, and calibration frames.
     std::os::unix::fs::symlink(at("tb/f0.tiff"), at("to_f0.tiff")).expect("linked");
     for out in ["to_f0.tiff", "tb/f0.tiff"] {
         refused_always(&home, &["merge", "to_f0.tiff", "tb/f1.tiff", "--out", out], opened);
@@ -65,18 +64,12 @@ fn no_command_writes_over_what_it_opens() {
     home.run_badly(&over, 1);
     let words = home.run_badly(&[&over[..], &["--force"]].concat(), 1);
     assert!(words.contains(opened) && contents(&home) == before, "{words}");
-}
-
-#[test]
-fn a_plot_never_replaces_an_input() {
-    let home = home_with(&["a"]);
-    // The frame's name ends in .svg; nothing is opened by its name.
-    fs::rename(home.join("a/frame_000.png"), home.join("frame.svg")).expect("renamed");
-    let frames = ["frame.svg", "a/frame_001.png", "a/frame_002.png"];
-    let probe = [&["probe"][..], &frames, &["--at", "40,40", "--plot", "frame.svg"]].concat();
-    refused_always(&home, &probe, "files that were opened are never written to");
-    let slopes = [&["slopes"][..], &frames, &["--plot", "frame.svg"]].concat();
-    refused_always(&home, &slopes, "files that were opened are never written to");
+    // A frame whose name ends in .svg; nothing is opened by its name.
+    fs::rename(at("pb/frame_000.png"), at("frame.svg")).expect("renamed");
+    for command in [&["probe", "--at", "40,40"][..], &["slopes"]] {
+        let frames = ["frame.svg", "pb/frame_001.png", "pb/frame_002.png", "--plot", "frame.svg"];
+        refused_always(&home, &[command, &frames].concat(), opened);
+    }
 }
 
 #[test]
@@ -104,7 +97,6 @@ fn a_folder_of_features_keeps_what_others_wrote_there() {
         says(home.run_badly(&matching, 1), &[name, "did not write"]);
         fs::remove_file(at("out").join(name)).expect("removed");
     }
-    // A burst whose file of features would be in the folder of its frames.
     home.make_dir("flat");
     for t in 0..3 {
         fs::copy(at(&format!("nights/c0/frame_00{t}.png")), at(&format!("flat/{t}.png"))).expect("copied");
@@ -131,7 +123,6 @@ fn one_file_is_replaced_if_burstscope_wrote_it() {
         (&chart_plot, "c.svg"),
         (&render, "x.png"),
     ] {
-        // Made, made again, and made over an empty file, with which nothing can be lost.
         home.run_well(command);
         home.run_well(command);
         fs::write(at(file), "").expect("emptied");
@@ -142,14 +133,13 @@ fn one_file_is_replaced_if_burstscope_wrote_it() {
         home.run_well(&[command, &["--force"]].concat());
         assert!(fs::metadata(at(file)).expect("there").len() > 100, "{file}");
     }
-    // Without a display the window is drawn into a file of this name.
     home.write("burstscope-a.png", "somebody's");
     says(home.run_badly("a", 1), &["burstscope-a.png", "render --out"]);
     assert_eq!(home.text("burstscope-a.png"), "somebody's");
 }
 
 #[test]
-fn links_are_not_followed() {
+fn links_are_not_followed_and_noisy_copies_do_not_replace_their_originals() {
     let home = home_with(&["a"]);
     let at = |name: &str| home.join(name);
     let link = |target: &str, name: &str| std::os::unix::fs::symlink(at(target), at(name)).expect("linked");
@@ -180,15 +170,10 @@ fn links_are_not_followed() {
     home.run_well(&[&["detect", "a", "--out", "there"][..], &SEARCH].concat());
     assert_eq!(names(&at("elsewhere")), ["a.csv"]);
     says(home.run_badly("synth chart --out there", 1), &["links are not followed"]);
-    // Devices stay as they are.
     for out in ["/dev/stdout", "/dev/null"] {
         let output = home.run(&["render", "a", "--out", out, "--no-detect", "--force"]);
         assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0), "{}", stderr(&output));
     }
-}
-
-#[test]
-fn noisy_copies_do_not_replace_their_originals() {
     let home = home_with(&["a"]);
     home.run_well("synth noisy a --out copies");
     home.run_well("synth noisy a --out copies");
@@ -204,24 +189,18 @@ fn noisy_copies_do_not_replace_their_originals() {
 #[test]
 fn a_dataset_does_not_write_over_its_frames_or_into_other_folders() {
     let home = home_with(&["nights/a", "nights/b"]);
-    let colmap = |inputs: &[&str]| {
-        [&["colmap"], inputs, &["--out", "rec"], &SEARCH].concat().iter().map(|s| s.to_string()).collect::<Vec<_>>()
-    };
-    let run_colmap = |inputs: &[&str], code| {
-        let arguments = colmap(inputs);
-        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-        if code == 0 { home.run_well(&arguments) } else { home.run_badly(&arguments, code) }
-    };
-    run_colmap(&["nights"], 0);
+    let colmap = |inputs: &str| format!("colmap {inputs} --out rec {}", SEARCH.join(" "));
+    home.run_well(&colmap("nights"));
     // Pictures of the dataset, given as bursts of the same names, one frame each.
     let before = contents(&home);
-    says(run_colmap(&["rec/images/a.png", "nights/b"], 1), &["files that were opened are never written to"]);
+    let one_frame = colmap("rec/images/a.png nights/b");
+    says(home.run_badly(&one_frame, 1), &["files that were opened are never written to"]);
     assert!(contents(&home) == before);
     // A link among its files, and a folder with a user's own file.
     fs::remove_file(home.join("rec/database.db")).expect("removed");
     home.write("precious.db", "precious");
     std::os::unix::fs::symlink(home.join("precious.db"), home.join("rec/database.db")).expect("linked");
-    assert!(run_colmap(&["nights"], 1).contains("links are not followed"));
+    says(home.run_badly(&colmap("nights"), 1), &["links are not followed"]);
     assert_eq!(home.text("precious.db"), "precious");
     for command in
         [&["colmap", "nights", "--out", "nights"][..], &["figures", "--out", "nights"], &["figures", "--out", "rec"]]
@@ -235,24 +214,25 @@ fn two_processes_do_not_write_into_one_folder() {
     let home = home_with(&["a", "b"]);
     let out = home.join("out");
     fs::create_dir(&out).expect("made");
-    let lock = out.join(".burstscope-lock");
-    fs::write(&lock, "process 4711 on lighthouse\n").expect("written");
-    let file = fs::OpenOptions::new().read(true).write(true).open(&lock).expect("opened");
-    file.try_lock().expect("free");
+    let locked = |path: PathBuf| {
+        fs::write(&path, "process 4711 on lighthouse\n").expect("written");
+        let file = fs::OpenOptions::new().read(true).write(true).open(path).expect("opened");
+        file.try_lock().expect("free");
+        file
+    };
+    let file = locked(out.join(".burstscope-lock"));
     let detect = [&["detect", "a", "--out", "out"][..], &SEARCH].concat();
     let matching = [&["match", "a", "b", "--out", "out"][..], &SEARCH].concat();
-    for command in [&detect[..], &matching, &["figures", "--out", "out", "--only", "fig9", "--quick"]] {
+    let mut commands = vec![&detect[..], &matching, &["figures", "--out", "out", "--only", "fig9", "--quick"]];
+    commands.extend(cfg!(feature = "colmap").then_some(&["colmap", "a", "b", "--out", "out"][..]));
+    for command in commands {
         says(home.run_badly(command, 1), &["process 4711 on lighthouse writes into this folder"]);
     }
     assert_eq!(names(&out), [".burstscope-lock"], "nothing was begun");
     drop(file);
     home.run_well(&matching);
     assert_eq!(names(&out), ["a.csv", "a_b.matches.csv", "a_b.matches.png", "b.csv"], "the lock is not left");
-    // A folder that is made as a whole is locked by a file beside it.
-    let lock = home.join(".burstscope-a.lock");
-    fs::write(&lock, "process 4711 on lighthouse\n").expect("written");
-    let file = fs::OpenOptions::new().read(true).write(true).open(&lock).expect("opened");
-    file.try_lock().expect("free");
+    let file = locked(home.join(".burstscope-a.lock"));
     says(home.run_badly("synth chart --out a", 1), &["process 4711 on lighthouse writes into this folder"]);
     chart(&home, "c");
     drop(file);
@@ -277,14 +257,12 @@ fn of_two_runs_into_one_folder_one_is_refused() {
     let arguments = |edge: &'static str| {
         [&["detect", "a", "--out", "out", "--format", "csv,colmap,npz", "--edge-threshold", edge][..], &SEARCH].concat()
     };
-    let made: Vec<_> = ["5", "12"]
-        .map(|edge| {
-            home.run_well(&arguments(edge));
-            let made = contents(&home.join("out"));
-            fs::remove_dir_all(home.join("out")).expect("removed");
-            made
-        })
-        .into();
+    let made = ["5", "12"].map(|edge| {
+        home.run_well(&arguments(edge));
+        let made = contents(&home.join("out"));
+        fs::remove_dir_all(home.join("out")).expect("removed");
+        made
+    });
     assert!(made[0] != made[1]);
     for round in 0..6 {
         let (first, second) = (home.start(&arguments("5")), home.start(&arguments("12")));
@@ -295,8 +273,7 @@ fn of_two_runs_into_one_folder_one_is_refused() {
             assert!(stderr(output).contains("writes into this folder"), "{}", stderr(output));
         }
         assert!(codes.contains(&Some(0)), "round {round}: {codes:?}");
-        let found = contents(&home.join("out"));
-        assert!(made.contains(&found), "round {round}: a mixture");
+        assert!(made.contains(&contents(&home.join("out"))), "round {round}: a mixture");
         fs::remove_dir_all(home.join("out")).expect("removed");
     }
 }

@@ -42,7 +42,6 @@ fn options_come_before_their_file_before_own_defaults_before_what_is_built_in() 
     }
     let output = kept(&home, "", &[]);
     assert_eq!((search(&output), stderr(&output).as_str()), (SearchParams::default(), ""));
-
     let line = ["match", "demo", "demo-later", "--out", "m", "--json", "--params", "p.toml", "--octaves", "2"];
     let line = [&line[..], &["--min-inliers", "9"]].concat();
     let output = home.program(&line).env("BURSTSCOPE_DEFAULTS", "own.toml").output().expect("it starts");
@@ -71,7 +70,7 @@ fn the_usual_place_is_read_unless_the_variable_is_set() {
 }
 
 #[test]
-fn what_is_wrong_with_own_defaults_is_told_with_their_file() {
+fn what_is_wrong_with_own_defaults_is_told_with_their_file_and_nothing_is_written_over_own_defaults() {
     let home = folder();
     let write = |text: &str| home.write("own.toml", text);
     let fails = |line: &[&str], defaults: &str, code: i32, words: [&str; 2]| {
@@ -91,10 +90,6 @@ fn what_is_wrong_with_own_defaults_is_told_with_their_file() {
     fails(&matched, "own.toml", 2, ["line 2", "ratoi"]);
     fails(&detect, "gone.toml", 1, ["cannot read", "parameter file"]);
     assert_eq!(names(&home), ["own.toml"]);
-}
-
-#[test]
-fn nothing_is_written_over_own_defaults() {
     let home = folder();
     home.write("own.tiff", "levels = 4\n");
     let line = "stack demo-tripod --slope 0,0 --out own.tiff --force";

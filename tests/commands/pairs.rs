@@ -4,26 +4,22 @@ use crate::support::*;
 
 const SEARCH: [&str; 4] = ["--slopes-u", "-2:2:5", "--octaves", "2"];
 
-/// A folder with four bursts along a way that see the same things.
 fn way() -> Folder {
     let home = folder();
     home.run_well("synth trajectory --out way --width 240 --height 180 --bursts 4 --frames 5 --max-slope 2 --snr 5");
     home
 }
 
-/// The names of the bursts of the way.
 fn bursts(numbers: std::ops::Range<usize>) -> Vec<String> {
     numbers.map(|k| format!("way/bursts/burst_{k:03}")).collect()
 }
 
-/// Runs `colmap` on `bursts` into `out`, and returns its JSON and the bytes of its database.
 fn reconstruct(home: &Path, bursts: &[String], out: &str, more: &[&str]) -> (Value, Vec<u8>) {
     let bursts: Vec<&str> = bursts.iter().map(String::as_str).collect();
     let json = home.run_json(&[&["colmap"], &bursts[..], &SEARCH, &["--out", out, "--json"], more].concat());
     (json, fs::read(home.join(out).join("database.db")).expect("a database"))
 }
 
-/// The pairs that were taken from an earlier run.
 fn resumed(json: &Value) -> Vec<[u64; 2]> {
     let number = |id: &Value| id.as_u64().expect("an id");
     let pairs = json["pairs"].as_array().expect("pairs").iter().filter(|pair| pair["resumed"] == true);
@@ -55,12 +51,10 @@ fn pairs_are_kept_and_a_burst_more_costs_its_own() {
     assert_eq!(without_resumed(&first), without_resumed(&again));
     let three = "colmap way/bursts/burst_000 way/bursts/burst_001 way/bursts/burst_002 --out rec";
     says(home.run_well(&[&three.words()[..], &SEARCH].concat()), &["3 images, 3 pairs, 3 from an earlier run: "]);
-    // One burst more is matched with the others, which are not matched again.
     let (more, of_four) = reconstruct(home, &bursts(0..4), "rec", &[]);
     assert_eq!(resumed(&more), all);
     let (_, whole) = reconstruct(home, &bursts(0..4), "whole", &[]);
     assert!(of_four == whole, "three pairs kept and three matched give another database than six matched");
-    // One less needs nothing.
     let (less, database) = reconstruct(home, &bursts(0..3), "rec", &[]);
     assert!(resumed(&less) == all && database == of_three);
 }
@@ -86,7 +80,6 @@ fn pairs_of_other_options_or_features_are_matched_again() {
         assert!(first == again, "{options:?}: kept pairs give another database");
     }
     assert_eq!(pairs(&[]), 0, "those of the last options replaced them");
-    // Pairs that are not asked for stay.
     assert_eq!(pairs(&["--pairs", "sequential:1"]), 2);
     assert_eq!(pairs(&["--pairs", "near:1"]), 2);
     assert_eq!(pairs(&[]), 3);
@@ -143,7 +136,6 @@ fn a_pair_that_is_not_whole_or_of_other_bursts_is_matched_again() {
     }
     fs::remove_file(&file).expect("removed");
     assert_eq!(resumed(&reconstruct(home, &bursts(0..3), "rec", &[]).0), [[1, 2], [2, 3]]);
-    // What somebody else has put there stays, and is named.
     fs::write(&file, "mine").expect("written");
     let line = [&["colmap", "way/bursts", "--out", "rec"][..], &SEARCH].concat();
     says(home.run_badly(&line, 1), &["did not write this file", "burst_002.png.pair"]);
@@ -163,7 +155,6 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
     let text = home.run_well(&line);
     assert!(text.contains("4 images, 2 pairs, 2 from an earlier run: "), "{text}");
     assert!(text.contains("verified pairs join 2 of 4 images, and apart from them 2 others\n"), "{text}");
-    // The pairs of the list are those that all pairs keep.
     let (json, _) = reconstruct(home, &bursts(0..4), "rec", &[]);
     assert_eq!(resumed(&json), [[1, 2], [3, 4]]);
     // Of four bursts some matches are known by those with the others alone, and count among the matches of their pair.
@@ -174,12 +165,10 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
     assert!(text.contains("verified pairs join all 4 images\n"), "{text}");
     let (_, again) = reconstruct(home, &bursts(0..4), "rec", &["--pairs", "list.txt"]);
     assert!(again == of_list);
-    // One pair, and nothing of the others.
     home.write("list.txt", "burst_001 burst_003\n");
     let text = home.run_well(&line);
     assert!(text.contains("4 images, 1 pair, 1 from an earlier run: "), "{text}");
     says(&text, &["in 1 verified pair\n", "verified pairs join 2 of 4 images; none is of burst_000, burst_002\n"]);
-    // A report of the flight reads the same from the folder.
     let report = |inputs: &[&'static str], more: &[&'static str]| {
         [&["report"], inputs, &["--out", "flight.md", "--json", "--pairs-of"], more, &SEARCH].concat()
     };
@@ -224,16 +213,13 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
     assert_eq!(of_two(None)["pairs"][0]["refused"], Value::Null);
     for (word, by) in [(1, "pictures"), (0, "motions")] {
         let refused = of_two(Some(word));
-        assert_eq!(
-            (&refused["pairs"][0]["refused"], &refused["joined"][format!("refused_by_{by}")]),
-            (&by.into(), &1.into())
-        );
+        assert_eq!(refused["pairs"][0]["refused"], by);
+        assert_eq!(refused["joined"][format!("refused_by_{by}")], 1);
     }
     // A geometry of which no match is left is refused by the tracks of other pairs.
     let refused = {
         let database = rusqlite::Connection::open(home.join("rec/database.db")).expect("a database");
-        let changed = database.execute("UPDATE two_view_geometries SET config = 3", []);
-        assert_eq!(changed, Ok(1));
+        assert_eq!(database.execute("UPDATE two_view_geometries SET config = 3", []), Ok(1));
         of_two(None)
     };
     assert_eq!(refused["pairs"][0]["refused"], "tracks");
@@ -241,7 +227,6 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
     let refused = of_two(Some(0));
     assert_eq!([0, 1].map(|row| refused["bursts"][row]["verified_pairs"].clone()), [0.into(), Value::Null]);
     says(home.text("flight.md"), &["- No pair is verified\n- Not in the folder of the pairs: demo\n"]);
-    // What is wrong is named with its line, before anything is done.
     for (text, words) in [("burst_000 burst_001\nburst_000 night\n", "line 2: "), ("\nburst_000\n", "line 2: ")] {
         home.write("list.txt", text);
         says(home.run_badly(&line, 1), &[words, "list.txt", "burst_"]);

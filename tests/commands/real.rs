@@ -43,12 +43,9 @@ fn the_eight_discs_have_their_true_slopes() {
         "found",
     ]);
     let rows = features(&home.join("found/buff-demo-2d.csv"));
-    // The discs are bright, and the strongest blobs by far.
     let discs = &rows.iter().filter(|r| r[6] < 0.0).collect::<Vec<_>>()[..8];
     for (k, a) in discs.iter().enumerate() {
-        for b in &discs[..k] {
-            assert!((a[0] - b[0]).hypot(a[1] - b[1]) > 8.0, "two features on one disc");
-        }
+        discs[..k].iter().for_each(|b| assert!((a[0] - b[0]).hypot(a[1] - b[1]) > 8.0, "two features on one disc"));
     }
     for ((u, v), count) in [((1.0, -1.0), 3), ((-1.0, -1.0), 2), ((2.0, 2.0), 3)] {
         let near = discs.iter().filter(|r| (r[4] - u).abs() <= 0.5 && (r[5] - v).abs() <= 0.5).count();

@@ -22,7 +22,7 @@ const TRUTH: &str =
     "# t x y z qx qy qz qw\n10 0 0 0 0 0 0 1\n20 1 0 0 0 0 0 1\n30 2 0 0 0 0 0 1\n40 1 1 0 0 0 0 1\n50 0 1 0 0 0 0 1\n";
 
 #[test]
-fn a_models_poses_are_compared_with_the_truth() {
+fn a_models_poses_are_compared_with_the_truth_and_poses_that_cannot_be_compared_say_why() {
     let home = folder();
     model(&home.join("sparse/0"));
     home.write("truth.txt", TRUTH);
@@ -45,10 +45,6 @@ fn a_models_poses_are_compared_with_the_truth() {
     let json = home.run_json("evaluate poses --estimate sparse --truth sparse/0 --json");
     assert_eq!(json["associated"], "name");
     assert!(json["absolute"]["translation"]["max"].as_f64().is_some_and(|x| x < 1e-12), "{json}");
-}
-
-#[test]
-fn poses_that_cannot_be_compared_say_why() {
     let home = folder();
     model(&home.join("0"));
     let words = |arguments: &[&str], code| {
@@ -80,7 +76,6 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     says(&text, &[&format!("{next}\n"), "half a frame after mid-burst"]);
     assert!(!text.contains("earlier database"), "{text}");
     home.make_dir("my rec/sparse");
-    // A stack is at mid-burst itself, and its features are there already.
     let text = home.run_well(&[&arguments[..], &["--images", "stack"]].concat());
     assert!(!text.contains("mid-burst") && text.contains("3 pairs, 3 from an earlier run: "), "{text}");
     assert!(text.contains("sparse is of an earlier database"), "{text}");
@@ -106,7 +101,6 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     assert_eq!((&json["known_camera"], &json["cameras"][0]["model"]), (&true.into(), &"PINHOLE".into()));
     assert_eq!((json["pairs"].as_array().map(Vec::len), &json["matching"]["geometry"]), (Some(2), &"essential".into()));
     assert_eq!(json["detector_revision"], burstscope::detector::REVISION);
-    // The folder says how it was made.
     let manifest = home.json("my rec/manifest.json");
     let made = &manifest["claims"]["settings"]["export"];
     assert_eq!(made["images"], "middle");
@@ -115,7 +109,6 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
         toml::from_str(made["matching"].as_str().expect("text")).expect("TOML");
     let matching: Value = serde_json::from_str(&serde_json::to_string(&matching).expect("plain values")).expect("JSON");
     assert_eq!(matching, json["matching"]);
-    // A camera that is known is held.
     let held =
         "--Mapper.ba_refine_focal_length 0 --Mapper.ba_refine_principal_point 0 --Mapper.ba_refine_extra_params 0";
     assert!(json["next"][1].as_str().is_some_and(|line| line.ends_with(held)), "{}", json["next"]);
@@ -130,7 +123,6 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     }
     let again = home.run_json(&[&arguments[..], &["--json"]].concat());
     assert!(again["images"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(|i| i["resumed"] == false)));
-    // A burst that cannot be opened is reported, and the rest is written.
     home.write("film/frame_001.png", "broken");
     let output = home.run(&arguments);
     assert_eq!(output.status.code(), Some(1));
@@ -168,9 +160,7 @@ fn bursts_of_two_cameras_have_a_camera_each() {
     let expected = serde_json::json!({ "model": "PINHOLE", "width": 240, "height": 180, "params": [240.0, 240.0, 120.0, 90.0],
         "known": true, "from": ["set/right/camera.toml"], "images": [2] });
     assert_eq!(*camera, expected);
-    let manifest = home.json("rec/manifest.json");
-    assert_eq!(manifest["claims"]["settings"]["export"]["cameras"], both["cameras"]);
-    // The file alone leaves the other camera guessed; one camera for all is that of all.
+    assert_eq!(home.json("rec/manifest.json")["claims"]["settings"]["export"]["cameras"], both["cameras"]);
     let found = json(&[]);
     assert_eq!((&found["known_camera"], &found["cameras"][0]["known"]), (&false.into(), &false.into()));
     assert_eq!((&found["cameras"][1], &found["pairs"][0]["resumed"]), (camera, &false.into()));
@@ -267,7 +257,6 @@ fn the_databases_keypoints_lie_in_their_pictures_and_the_command_says_how_far_th
     let text = home.run_well(&arguments);
     let line = format!("by {:.1} px in the median and {:.1} px at most", told("median_px"), told("max_px"));
     assert!(text.contains(&line) && text.contains("as found, like all in features/"), "{text}");
-    // Without an alignment nothing is moved, and nothing is said of it.
     let text = home.run_well(&[&arguments[..], &["--align", "false"]].concat());
     assert!(!text.contains("moved"), "{text}");
     let name = json["images"][0]["image"].as_str().expect("a name");

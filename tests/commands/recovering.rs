@@ -1,8 +1,7 @@
 //! `recover`, `film`, `case`, `stack --combine`, and `slopes` from the set-up.
 
 use crate::support::*;
-use burstscope::export::case::{read_session, read_truth};
-use burstscope::synth::TruthKind;
+use burstscope::{export::case::read_session, export::case::read_truth, synth::TruthKind};
 
 const SEARCH: [&str; 3] = ["demo-low-contrast", "--slopes-u", "-2:2:9"];
 
@@ -20,11 +19,8 @@ fn recover_says_what_would_be_found_and_draws_it() {
     }
     let svg = home.text("seen.svg");
     roxmltree::Document::parse(&svg).expect("sound XML");
-    let table = home.text("planted.csv");
-    assert_eq!(table.lines().count(), 1 + planted.len());
-    // The same again, over its own files.
-    let again = home.run_json(&[&["recover"], &SEARCH[..], &few].concat());
-    assert_eq!(found["planted"], again["planted"]);
+    assert_eq!(home.text("planted.csv").lines().count(), 1 + planted.len());
+    assert_eq!(found["planted"], home.run_json(&[&["recover"], &SEARCH[..], &few].concat())["planted"]);
     // A copy is kept as a case, with the truth of what is planted in it.
     home.run_json(&[&["recover"], &SEARCH[..], &["--copies", "1", "--case", "a.burstcase", "--json"]].concat());
     let truth = read_truth(&home.join("a.burstcase")).expect("read").expect("a truth");
@@ -36,7 +32,6 @@ fn recover_says_what_would_be_found_and_draws_it() {
     assert!(home.run_badly("recover demo --case a.zip", 2).contains(".burstcase"));
     assert!(home.run_badly("recover demo --copies 0", 2).contains("copies"));
     assert!(home.run_badly("recover demo --csv a.txt", 2).contains(".csv"));
-    // Numbers out of their ranges are refused before anything is computed.
     for (option, words) in [
         ("--planted-slopes=-3:3:1000000000", "planted-slopes: 1000000000 slopes; at most 4096"),
         ("--planted-slopes=3:-3:5", "planted-slopes: 3 is above -3"),
@@ -71,7 +66,6 @@ fn a_case_is_searched_like_the_burst_with_its_own_settings() {
         &[&["case"], &SEARCH[..], &["--at", "160,120", "--around", "40", "--out", "b.burstcase", "--json"]].concat(),
     );
     assert_eq!(part["case"]["size"], serde_json::json!([81, 81]));
-    // The truth of a built-in burst goes with it, that of the part at its places there.
     let [whole, part] = ["a", "b"].map(|name| {
         let path = home.join(format!("{name}.burstcase"));
         assert!(read_session(&path).expect("read").is_none(), "only the window has one");
@@ -85,7 +79,7 @@ fn a_case_is_searched_like_the_burst_with_its_own_settings() {
 }
 
 #[test]
-fn a_sweep_is_a_film_and_frames_are_combined() {
+fn a_sweep_is_a_film_and_frames_are_combined_and_the_set_up_gives_slopes_and_slopes_give_depths() {
     let home = folder();
     let line = ["--sweep", "slope-u=-2:2:5", "--max-side", "160", "--out", "a.gif", "--json"];
     let made = home.run_json(&[&["film"], &SEARCH[..], &line].concat());
@@ -106,10 +100,6 @@ fn a_sweep_is_a_film_and_frames_are_combined() {
     };
     assert!(mean("min") < mean("median") && mean("median") < mean("max"));
     assert!((mean("mean") - mean("median") - mean("mean-minus-median")).abs() < 1e-5);
-}
-
-#[test]
-fn the_set_up_gives_slopes_and_slopes_give_depths() {
     let home = folder();
     let set_up = ["--speed", "0.5", "--fps", "30", "--focal-px", "240", "--depth", "1:8"];
     let alone = home.run_json(&[&["slopes", "--json"], &set_up[..]].concat());

@@ -54,24 +54,18 @@ fn all_figures_are_made_once_and_kept() {
     }
     assert!(page.contains("was not found (pycolmap alone is not enough)") && page.contains("--quick"));
     says(fs::read_to_string(folder.join("table1.csv")).expect("a table"), &["1D,BuFF 1D,,,", "2D,gold standard,,,"]);
-
-    // A file of somebody else that came into the place of one of ours stays.
     let numbers = fs::read(folder.join("fig7.csv")).expect("numbers");
     fs::write(folder.join("fig7.csv"), "mine").expect("written");
     says(home.run_badly(arguments, 1), &["fig7.csv", "did not write"]);
     assert_eq!(fs::read_to_string(folder.join("fig7.csv")).expect("there"), "mine");
     fs::write(folder.join("fig7.csv"), numbers).expect("put back");
-
-    // Again: all files are kept, except the altered one.
     let dates = || names(&folder).iter().map(|n| folder.join(n).metadata().and_then(|m| m.modified()).ok()).collect();
     let before: Vec<_> = dates();
     let seconds = made["figures"][4]["seconds"].clone();
     let picture = fs::read_to_string(folder.join("fig7.svg")).expect("a picture");
     fs::write(folder.join("fig7.svg"), picture.replacen("<title>", "<title>Altered: ", 1)).expect("written");
     let again = home.run_json(arguments);
-    for (name, resumed) in figures(&again) {
-        assert_eq!(resumed, name != "fig7", "{name}");
-    }
+    figures(&again).into_iter().for_each(|(name, resumed)| assert_eq!(resumed, name != "fig7", "{name}"));
     assert_eq!(again["figures"][4]["seconds"], seconds);
     assert_whole(&folder, "fig7");
     let after: Vec<_> = dates();
@@ -101,7 +95,6 @@ fn only_some_and_only_in_a_folder_of_figures() {
     assert_eq!(names(&home.join("own")), ["fig3.svg"]);
 }
 
-/// Stand-in for COLMAP: its mapper returns the true poses, in a text model.
 #[cfg(all(unix, feature = "colmap"))]
 const MAPPER: &str = r#"#!/bin/sh
 set -e
@@ -148,6 +141,5 @@ fn where_colmap_is_installed_it_fills_the_columns() {
     }
     assert!(csv("table3.csv").iter().all(|row| row[3].parse::<f64>().is_ok_and(|secs| secs > 0.0)));
     assert!(csv("fig8.csv").iter().any(|row| row[1] == "buff-2d"));
-    // Intermediate files are gone.
     assert!(names(&folder.join("records/pieces")).iter().all(|name| name.ends_with(".json")));
 }

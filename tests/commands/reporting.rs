@@ -19,9 +19,7 @@ fn a_report_says_what_the_other_commands_say() {
     let page = &ask(&["report", "--out", "r.md", "--at", "92,58", "--at", "12,34", "--copies", "2"]);
     let detected = &ask(&["detect", "--out", "found"])["bursts"][0];
     assert_eq!((&page["features"], &page["tally"]), (&detected["features"], &detected["tally"]));
-    for key in ["frame_noise", "noise_gate_factor"] {
-        assert_eq!(page[key], detected[key], "{key}");
-    }
+    ["frame_noise", "noise_gate_factor"].into_iter().for_each(|key| assert_eq!(page[key], detected[key], "{key}"));
     assert_eq!(timeless(page["spectrum"].clone()), timeless(ask(&["slopes"])["spectrum"].clone()));
     assert_eq!(page["decoys"], ask(&["decoys", "--copies", "2"])["decoys"]);
     assert_eq!(page["places"].as_array().map(Vec::len), Some(2));
@@ -50,7 +48,6 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
     let at = ["--at", "92,58", "--at", "the mast=12,34"];
     let line = |out: &'static str| [&["report", "--out", out, "--quiet"], &at[..], &LINE[..]].concat();
     for out in ["r.md", "r.html", "r.svg", "r.pdf", "r.png"] {
-        // The second run replaces what the first one wrote.
         (0..2).for_each(|_| assert_eq!(home.run_well(&line(out)), ""));
         fs::write(home.join(out), "mine").expect("written");
         assert!(home.run_badly(&line(out), 1).contains("--force"), "{out}");
@@ -75,7 +72,7 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
 }
 
 #[test]
-fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
+fn what_cannot_be_reported_is_refused_and_nothing_is_written_and_names_have_no_marks_of_markdown() {
     let home = folder();
     for (line, code, words) in [
         ("report demo --out r.docx", 2, "name the report .md, .html, .svg, .pdf or .png"),
@@ -96,6 +93,15 @@ fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
     let page = &home.run_json(few);
     assert!(page["decoys"].is_null(), "{page}");
     assert!(page["no_decoys"].as_str().is_some_and(|why| why.contains("4 or more")), "{page}");
+    let home = folder();
+    let small = ["--width", "120", "--height", "90", "--discs", "2", "--frames", "5", "--max-slope", "1", "--quiet"];
+    home.run_well(&[&["synth", "chart", "--out", "a_b*c*"], &small[..]].concat());
+    let line = |out: &'static str| ["report", "a_b*c*", "--slopes-u", "-1:1:3", "--quiet", "--out", out];
+    home.run_well(&line("r.md"));
+    home.run_well(&line("r.svg"));
+    let read = |name: &str| fs::read_to_string(home.join(name)).expect("text");
+    assert!(read("r.md").contains(r"# a\_b\*c\*: 5 frames"), "{}", read("r.md"));
+    assert!(read("r.svg").contains(">a_b*c*: 5 frames"));
 }
 
 #[test]
@@ -135,7 +141,6 @@ fn a_report_of_a_flight_has_a_row_for_each_burst_and_begins_with_the_worst() {
     assert!(first < second && page[second..].contains(": try --slopes-u "), "{page}");
     says(&page, &["\n      burstscope nights/fast\n", "| n 1 | 6 | 160 | 120 | 0.0"]);
     assert_eq!(flight["bursts"][2]["open"], "burstscope 'nights/n 1'");
-    // As a table; the second run knows the first one's file.
     (0..2).for_each(|_| drop(ask(&["report", "--out", "flight.csv"])));
     let table = home.text("flight.csv");
     assert_eq!(table.lines().count(), 5, "{table}");
@@ -184,17 +189,4 @@ fn a_page_of_html_says_what_the_page_of_markdown_says_and_needs_no_other_file() 
             assert!(line.starts_with("burstscope ") && line.contains(&format!("nights/{broken}")), "{line}");
         }
     }
-}
-
-#[test]
-fn names_have_no_marks_of_markdown() {
-    let home = folder();
-    let small = ["--width", "120", "--height", "90", "--discs", "2", "--frames", "5", "--max-slope", "1", "--quiet"];
-    home.run_well(&[&["synth", "chart", "--out", "a_b*c*"], &small[..]].concat());
-    let line = |out: &'static str| ["report", "a_b*c*", "--slopes-u", "-1:1:3", "--quiet", "--out", out];
-    home.run_well(&line("r.md"));
-    home.run_well(&line("r.svg"));
-    let read = |name: &str| fs::read_to_string(home.join(name)).expect("text");
-    assert!(read("r.md").contains(r"# a\_b\*c\*: 5 frames"), "{}", read("r.md"));
-    assert!(read("r.svg").contains(">a_b*c*: 5 frames"));
 }

@@ -25,7 +25,6 @@ fn samples(text: &str) -> Vec<(&str, Vec<&str>)> {
         .collect()
 }
 
-/// Words of a line, with each time in place of its number.
 fn words(line: &str) -> Vec<&str> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let is_time = |i: usize| {
@@ -67,14 +66,12 @@ fn number(word: &str) -> Option<f64> {
     word.replace(' ', "").trim_start_matches('+').parse().ok()
 }
 
-/// Numbers of an output; of `1 077` also 1 and 77.
 fn numbers(output: &str) -> impl Iterator<Item = f64> + '_ {
     let words: Vec<&str> = output.split_whitespace().collect();
     let joined: Vec<String> = words.windows(2).filter(|pair| pair[1].len() == 3).map(|pair| pair.concat()).collect();
     words.into_iter().filter_map(number).chain(joined.into_iter().filter_map(|word| number(&word)))
 }
 
-/// A number that is expected in a command's output.
 #[derive(Debug, PartialEq)]
 struct Expected<'a> {
     text: &'a str,
@@ -82,7 +79,6 @@ struct Expected<'a> {
     pointer: Option<&'a str>,
 }
 
-/// Command of a comment, with the numbers that it is said to write.
 fn source(comment: &str) -> Option<(&str, Vec<Expected<'_>>)> {
     let (command, numbers) = comment.trim().strip_prefix("$ burstscope ")?.split_once('|')?;
     let expected = numbers.split(';').map(|entry| {
@@ -93,7 +89,6 @@ fn source(comment: &str) -> Option<(&str, Vec<Expected<'_>>)> {
     Some((command.trim(), expected.collect()))
 }
 
-/// The text without comments, and the comments.
 fn apart(text: &str) -> (String, Vec<&str>) {
     let (mut shown, mut comments, mut rest) = (String::new(), Vec::new(), text);
     while let Some((before, after)) = rest.split_once("<!--") {
@@ -158,7 +153,6 @@ fn output_of(home: &Path, command: &str) -> String {
     }
 }
 
-/// Asserts that the output of a command has a number.
 fn assert_written(name: &str, command: &str, expected: &Expected<'_>, output: &str) {
     let Expected { text, tolerance, pointer } = expected;
     let value = number(text).unwrap_or_else(|| panic!("{name}: {text} is no number"));
@@ -203,7 +197,7 @@ fn every_measured_number_has_its_source_or_its_version() {
 }
 
 #[test]
-fn numbers_without_a_source_are_seen_and_those_with_one_are_read() {
+fn numbers_without_a_source_are_seen_and_samples_begin_with_a_command() {
     let text = "# A\n\nIt finds 254 features.\n\n## B\n\nmeasured with version 0.1.0.\n\n| a | b |\n| 1 | 2 |\n\n### C\n\n5 % more.\n\n## D\n\n3 times.\n\n```text\nout\n```\n\nTen frames.";
     let found: Vec<bool> = blocks(text).into_iter().map(|(_, is_marked)| is_marked).collect();
     assert_eq!(found, [false, true, false, false, false]);
@@ -215,10 +209,6 @@ fn numbers_without_a_source_are_seen_and_those_with_one_are_read() {
     assert_written("x", command, &numbers[1], r#"{"a": {"b": 0.9}}"#);
     assert_written("x", command, &numbers[0], "demo: 1 077 features");
     assert!(std::panic::catch_unwind(|| assert_written("x", command, &numbers[0], "demo: 1 076 features")).is_err());
-}
-
-#[test]
-fn samples_are_blocks_that_begin_with_a_command_and_times_are_left_out() {
     let text = "```sh\nburstscope demo\n```\nand\n```text\n$ burstscope slopes demo\na\n  …\nb 0.06 s\n```\n";
     assert_eq!(samples(text), [("slopes demo", vec!["a", "b 0.06 s"])]);
     assert_eq!(words("  b 0.06 s"), words("b 12 s"));

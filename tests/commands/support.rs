@@ -16,10 +16,8 @@ pub use std::process::{Command, Output, Stdio};
 pub use std::sync::{Mutex, OnceLock};
 pub use std::time::{Duration, Instant};
 
-use std::process::Child;
-use std::sync::mpsc;
+use std::{process::Child, sync::mpsc};
 
-/// Timeout of a process, for tests of hanging.
 const GUARD: Duration = Duration::from_secs(120);
 
 /// Words of a command line: a list, or a text that is split at its blanks.
@@ -61,22 +59,18 @@ impl Line for Vec<&str> {
 pub trait Home {
     fn folder(&self) -> &Path;
 
-    /// Writes a file of this folder.
     fn write(&self, name: &str, content: impl AsRef<[u8]>) {
         fs::write(self.folder().join(name), content).expect("written");
     }
 
-    /// Makes a folder in this folder, with those above it.
     fn make_dir(&self, name: &str) {
         fs::create_dir_all(self.folder().join(name)).expect("made");
     }
 
-    /// The text of a file of this folder.
     fn text(&self, name: &str) -> String {
         fs::read_to_string(self.folder().join(name)).expect("a file of text")
     }
 
-    /// The document in a file of this folder.
     fn json(&self, name: &str) -> Value {
         serde_json::from_str(&self.text(name)).expect("JSON")
     }
@@ -96,7 +90,6 @@ pub trait Home {
         self.program(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts")
     }
 
-    /// Runs the program to its end.
     fn run(&self, line: &(impl Line + ?Sized)) -> Output {
         self.program(line).output().expect("the program starts")
     }
@@ -127,9 +120,6 @@ impl Home for Path {
     }
 }
 
-/// Waits for the end of a process that may hang.
-///
-/// # Panics
 /// When the process did not end; it is killed then.
 pub fn ended(running: Child) -> Output {
     let id = running.id().to_string();
@@ -160,7 +150,6 @@ pub fn at_work(running: &Child) {
     }
 }
 
-/// A shell that runs a script in this folder; programs in it do not have the user's defaults.
 #[cfg(unix)]
 pub fn shell(home: &Path, script: &str) -> Command {
     let mut command = Command::new("sh");
@@ -177,7 +166,6 @@ pub fn chart(home: &Path, name: impl AsRef<std::ffi::OsStr>) {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
 }
 
-/// A new folder with such charts.
 #[cfg(unix)]
 pub fn home_with(charts: &[&str]) -> Folder {
     let home = folder();
@@ -185,7 +173,6 @@ pub fn home_with(charts: &[&str]) -> Folder {
     home
 }
 
-/// Options of a quick search.
 #[cfg(unix)]
 pub const SEARCH: [&str; 4] = ["--slopes-u", "-1:1:3", "--octaves", "2"];
 
@@ -209,7 +196,6 @@ pub fn features(path: &Path) -> Vec<Vec<f64>> {
     lines.map(numbers).collect()
 }
 
-/// All files below `folder`, with their contents.
 pub fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut found = Vec::new();
     for name in names(folder) {

@@ -4,7 +4,7 @@ use crate::support::*;
 use clap::CommandFactory;
 
 #[test]
-fn a_lesson_is_begun_by_its_name_or_from_its_file() {
+fn a_lesson_is_begun_by_name_or_file_and_one_that_is_not_there_or_has_a_mistake_is_said() {
     let home = folder();
     says(home.run_well("--lesson what-noise-does"), &["burstscope-what-noise-does.png"]);
     let own = "title = \"Mine\"\nabout = \"Own.\"\n[[step]]\ntitle = \"One\"\ncaption = \"Look.\"\n";
@@ -16,10 +16,6 @@ fn a_lesson_is_begun_by_its_name_or_from_its_file() {
         let image = image::open(home.join(name)).expect("a picture").to_rgb8();
         assert!(image.dimensions() == (1280, 800) && image.pixels().any(|p| p.0[0] > 200));
     }
-}
-
-#[test]
-fn a_lesson_that_is_not_there_or_has_a_mistake_is_said() {
     let home = folder();
     says(home.run_badly("--lesson nothing", 2), &["nothing", "out-of-the-dark"]);
     home.write("bad.toml", "title = \"Mine\"\nabuot = \"x\"\n");
@@ -27,12 +23,17 @@ fn a_lesson_that_is_not_there_or_has_a_mistake_is_said() {
 }
 
 #[test]
-fn shells_get_their_completions() {
+fn shells_get_their_completions_and_every_command_has_a_manual_page_with_its_options() {
     let home = folder();
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         says(home.run_well(&["completions", shell]), &["burstscope", "detect", "slope-extrema", "lesson"]);
     }
     home.run_badly("completions dos", 2);
+    let options = check_page(&home, &burstscope::cli::commands::Cli::command(), &[]);
+    assert!(options > 300, "{options} options are too few to be all");
+    for wrong in [&["man", "dog"][..], &["man", "evaluate", "charts"]] {
+        says(home.run_badly(wrong, 2), &[&format!("no command '{}'", wrong[1..].join(" "))]);
+    }
 }
 
 /// Checks that the page of the `command` that these words name has its options and commands, and so on for these;
@@ -53,14 +54,4 @@ fn check_page(home: &Path, command: &clap::Command, words: &[&str]) -> usize {
         options += check_page(home, inner, &[words, &[name]].concat());
     }
     options
-}
-
-#[test]
-fn every_command_has_a_manual_page_with_its_options() {
-    let home = folder();
-    let options = check_page(&home, &burstscope::cli::commands::Cli::command(), &[]);
-    assert!(options > 300, "{options} options are too few to be all");
-    for wrong in [&["man", "dog"][..], &["man", "evaluate", "charts"]] {
-        says(home.run_badly(wrong, 2), &[&format!("no command '{}'", wrong[1..].join(" "))]);
-    }
 }

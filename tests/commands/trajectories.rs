@@ -139,7 +139,6 @@ fn methods_are_compared_on_a_trajectory() {
     assert!(rows[..3].iter().all(|row| row["slopes_found"].is_null()));
     let inliers = |row: usize| rows[row]["inliers_per_image"].as_f64().expect("a number");
     assert!(inliers(3) > 2.0 * inliers(1), "{} and {} of one frame", inliers(3), inliers(1));
-
     let text = home.run_well(&format!("{study} --slopes auto --methods buff-auto"));
     assert!(text.contains("slopes found (min:max:count, px/frame)\n  burst_000: u "), "{text}");
     let text = home.run_well(&format!("{study} --slopes-u -2:2:5 --methods buff-1d"));

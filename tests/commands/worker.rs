@@ -17,7 +17,6 @@ use dng::Dng;
 use proptest::prelude::*;
 use std::sync::Once;
 
-/// Sets the tested program as the decoder.
 fn with_worker() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -56,7 +55,6 @@ fn is_decoding() -> bool {
     lists.any(|list| list.split_whitespace().any(of_worker))
 }
 
-/// Process that decodes a file of this name.
 #[cfg(target_os = "linux")]
 fn decoder_of(file: &str) -> Option<String> {
     let is_it = |process: &fs::DirEntry| {
@@ -68,7 +66,7 @@ fn decoder_of(file: &str) -> Option<String> {
 }
 
 #[test]
-fn values_come_through_as_they_are() {
+fn values_come_through_as_they_are_and_large_tiles_are_unpacked_in_a_process() {
     let folder = folder();
     for t in 0..5usize {
         let dng = Dng::new((24, 16), |u, v| (64 + 31 * t + 7 * u + 3 * v) as u16);
@@ -86,6 +84,14 @@ fn values_come_through_as_they_are() {
             }
         }
     }
+    let (_folder, path) = folder_with("large.fits");
+    let sides = [("ZNAXIS1", "8192"), ("ZNAXIS2", "4096"), ("ZTILE1", "8192"), ("ZTILE2", "4096")];
+    fs::write(&path, crafted::tile_fits(&sides, &[], &crafted::gzip_of_zeros(8192 * 4096))).expect("written");
+    let burst = open(&path).expect("unpacked");
+    assert!(burst.size() == (8192, 4096) && burst.frames[0].data().iter().all(|value| *value == 0.0));
+    let packed = crafted::gzip_of_zeros(8192 * 4096 + 1);
+    fs::write(&path, crafted::tile_fits(&sides, &[], &packed)).expect("written");
+    says(open(&path).expect_err("too much"), &["unpacks to", "its pixels"]);
 }
 
 #[test]
@@ -98,7 +104,6 @@ fn errors_say_what_they_say_without_a_process() {
     fs::write(&path, b"FUJIFILM and nothing more").expect("written");
     let error = open(&path.with_extension("raf")).expect_err("missing");
     assert_eq!(error.kind, ErrorKind::NotFound, "{error}");
-    // Contradictory levels: the error of the decoder's caller.
     fs::write(&path, &sound).expect("written");
     let options = OpenOptions { black_level: Some(5000.0), ..OpenOptions::default() };
     let error =
@@ -108,7 +113,6 @@ fn errors_say_what_they_say_without_a_process() {
     let options = OpenOptions { limits, ..OpenOptions::default() };
     let error = Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default()).expect_err("too wide");
     assert!(error.kind == ErrorKind::TooLarge && error.to_string().contains("24×16"), "{error:?}");
-    // Frames of two sizes.
     let second = folder.join("b.dng");
     fs::write(&second, Dng::new((24, 18), |_, _| 70).bytes()).expect("written");
     let error = open(&folder).expect_err("two sizes");
@@ -117,7 +121,7 @@ fn errors_say_what_they_say_without_a_process() {
 }
 
 #[test]
-fn a_decoder_that_takes_all_memory_takes_that_of_its_process() {
+fn a_decoder_that_takes_all_memory_or_answers_nothing_is_an_error_about_the_file() {
     let (_folder, path) = folder_with("bad.raf");
     fs::write(&path, crafted::huge_count_raf()).expect("written");
     let error = open(&path).expect_err("34 GB");
@@ -127,6 +131,13 @@ fn a_decoder_that_takes_all_memory_takes_that_of_its_process() {
     if cfg!(target_os = "linux") {
         assert!(words.contains("its decoder asked for 32768 MiB of memory"), "{words}");
     }
+    // The decoding process alone, on a missing file: no answer at all.
+    let output = Command::new(env!("CARGO_BIN_EXE_burstscope"))
+        .args([burstscope::cli::DECODE_WORKER, "nowhere.dng"])
+        .stdin(Stdio::null())
+        .output()
+        .expect("it starts");
+    assert!(!output.status.success() && output.stdout.is_empty(), "{output:?}");
 }
 
 #[test]
@@ -167,17 +178,6 @@ fn a_decoder_that_somebody_ends_is_no_damage_of_the_file() {
 }
 
 #[test]
-fn a_program_that_decodes_nothing_is_an_error_about_the_file() {
-    // The decoding process alone, on a missing file: no answer at all.
-    let output = Command::new(env!("CARGO_BIN_EXE_burstscope"))
-        .args([burstscope::cli::DECODE_WORKER, "nowhere.dng"])
-        .stdin(Stdio::null())
-        .output()
-        .expect("it starts");
-    assert!(!output.status.success() && output.stdout.is_empty(), "{output:?}");
-}
-
-#[test]
 fn a_harmful_file_loses_neither_the_other_bursts_nor_the_program() {
     let home = folder();
     home.write("bad.dng", crafted::huge_count_dng(5));
@@ -209,19 +209,6 @@ fn a_harmful_file_loses_neither_the_other_bursts_nor_the_program() {
         let words = home.run_badly(&arguments, 1);
         assert!(words.contains("error: ") && !words.contains("memory allocation of"), "{arguments:?}: {words}");
     }
-}
-
-/// An image in one tile that takes much memory is unpacked in a process of its own, which has its frames one by one.
-#[test]
-fn large_tiles_are_unpacked_in_a_process() {
-    let (_folder, path) = folder_with("large.fits");
-    let sides = [("ZNAXIS1", "8192"), ("ZNAXIS2", "4096"), ("ZTILE1", "8192"), ("ZTILE2", "4096")];
-    fs::write(&path, crafted::tile_fits(&sides, &[], &crafted::gzip_of_zeros(8192 * 4096))).expect("written");
-    let burst = open(&path).expect("unpacked");
-    assert!(burst.size() == (8192, 4096) && burst.frames[0].data().iter().all(|value| *value == 0.0));
-    let packed = crafted::gzip_of_zeros(8192 * 4096 + 1);
-    fs::write(&path, crafted::tile_fits(&sides, &[], &packed)).expect("written");
-    says(open(&path).expect_err("too much"), &["unpacks to", "its pixels"]);
 }
 
 #[test]
@@ -273,7 +260,6 @@ fn a_process_that_decodes_has_few_rights_and_ends_when_the_program_is_killed() {
     until("it goes on for nobody", || (!alive()).then_some(()));
 }
 
-/// Raw files to damage.
 fn samples() -> &'static [(&'static str, Vec<u8>)] {
     static SAMPLES: OnceLock<Vec<(&'static str, Vec<u8>)>> = OnceLock::new();
     SAMPLES.get_or_init(|| {

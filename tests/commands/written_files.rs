@@ -10,8 +10,7 @@ use burstscope::app::document::{Action, Journal, Steps};
 use burstscope::app::pane::PaneId;
 use burstscope::app::results::{Model, Read};
 use burstscope::app::session::Session;
-use burstscope::detector::ParamChange;
-use burstscope::detector::params::doc;
+use burstscope::detector::{ParamChange, params::doc};
 
 fn model() -> Model {
     let mut model = Model::default();
@@ -60,17 +59,11 @@ fn what_is_probed_and_compared_in_b_comes_back_with_b() {
 }
 
 #[test]
-fn what_is_not_a_session_is_said() {
+fn what_is_not_a_session_is_said_and_unknown_keys_are_named_wherever_they_are() {
     let texts =
         ["", "hello", "version = 4", "version = 3\nburst = \"demo\"", "levels = 4", "version = 99\nburst = \"demo\""];
-    for text in texts {
-        says(Session::from_toml(text).expect_err(text), &["session"]);
-    }
+    texts.into_iter().for_each(|text| says(Session::from_toml(text).expect_err(text), &["session"]));
     assert!(Session::from_toml("version = 4\nburst = \"demo\"").is_ok());
-}
-
-#[test]
-fn unknown_keys_are_named_wherever_they_are() {
     let text = Session::of(Read::of(&model())).expect("a burst is open").to_toml();
     let tables: Vec<&str> = text.lines().filter(|line| line.starts_with('[')).collect();
     assert!(tables.len() > 20, "{tables:?}");
@@ -132,16 +125,12 @@ fn a_drag_is_one_step_that_keeps_its_last_value() {
 }
 
 #[test]
-fn of_very_many_steps_the_last_are_kept_and_it_is_said() {
+fn of_many_steps_the_last_are_kept_and_mistakes_in_them_are_named_with_their_lines() {
     let journal = taken(&vec![(ActionId::ZoomIn.into(), false); MAX_STEPS + 3]);
     let text = journal.to_toml();
     assert!(text.contains("left_out = 3\n"), "{}", &text[..300]);
     assert_eq!(read_steps(&text).map(|steps| steps.len()), Ok(MAX_STEPS));
     assert_eq!(journal.last_lines().matches("zoom_in").count(), LAST_STEPS);
-}
-
-#[test]
-fn mistakes_in_what_was_done_are_named_with_their_lines() {
     let wrong = |did: &str| read_steps(&format!("version = 1\ndid = [\n  [{did}],\n]\n")).expect_err(did);
     for (did, words) in [
         ("{ set_slop = [0, 1] }", vec!["line 3", "set_slop", "set_slope"]),

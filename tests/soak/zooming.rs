@@ -2,15 +2,10 @@
 //! hold no more than after some hundreds.
 
 use crate::{ALLOCATOR, ALONE, PATIENCE};
-use burstscope::app::gpu::{AdapterChoice, wgpu_setup};
-use burstscope::app::settings::Settings;
-use burstscope::app::{BurstscopeApp, Startup};
+use burstscope::app::{BurstscopeApp, Startup, gpu::AdapterChoice, gpu::wgpu_setup, settings::Settings};
 use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, TouchPhase, pos2, vec2};
 use egui_kittest::Harness;
-use std::cell::OnceCell;
-use std::rc::Rc;
-use std::sync::PoisonError;
-use std::time::Instant;
+use std::{cell::OnceCell, rc::Rc, sync::PoisonError, time::Instant};
 
 const STEPS: usize = 2000;
 /// Number of steps after which nothing grows: caches and budgets are full.

@@ -17,7 +17,7 @@ fn apply_all(window: &mut Window, what: &str) -> Vec<SearchParams> {
         let sentence = window.read().slope_judgement().expect("shown").sentence.clone();
         window.click("Apply slopes").settle();
         let now = searched(window);
-        let messages = &window.model().shell.messages.errors;
+        let messages = window.errors();
         assert!(messages.is_empty(), "{what}: {sentence}: {messages:?}");
         assert!(!set.contains(&now), "{what}: {sentence}: leads back to {:?}", now.slopes);
         assert!(window.read().features_are_current(burstscope::app::document::side::Side::A), "{what}");
@@ -58,13 +58,9 @@ fn unsuitable() -> [SlopeGrid; 5] {
 }
 
 #[test]
-fn advice_on_the_slopes_of_the_demo_comes_to_an_end_and_is_taken_back() {
+fn advice_on_the_slopes_of_the_demo_and_of_examples_comes_to_an_end_and_is_taken_back() {
     let applied = check(BurstSource::Demo, &unsuitable());
     assert!(applied >= 4, "{applied} of 5 unsuitable grids");
-}
-
-#[test]
-fn advice_on_the_slopes_of_examples_comes_to_an_end_and_is_taken_back() {
     let applied: usize = [Example::Street, Example::Depths, Example::Tripod, Example::Crossing]
         .map(|example| check(BurstSource::Example(example), &unsuitable()))
         .iter()

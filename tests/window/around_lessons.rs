@@ -10,27 +10,24 @@ fn nothing_is_lost_of_what_was_open() {
     window.key(Key::Num6).slide("Slope u", 0.75).change(|document| document.params.levels = 4).settle();
     window.key(Key::Home).run_action("light theme").settle();
     let state = |window: &Window| {
-        let model = window.model();
-        let mut panes = model.document.panes.clone();
+        let mut panes = window.document().panes.clone();
         panes.iter_mut().for_each(|(_, pane)| pane.view = Default::default());
-        let burst = model.results.slots.a.burst.as_ref().map(|burst| burst.id);
+        let burst = window.results().slots.a.burst.as_ref().map(|burst| burst.id);
         (
             burst,
-            model.document.params.clone(),
-            model.document.selected,
-            Read::of(model).features().to_vec(),
+            window.document().params.clone(),
+            window.document().selected,
+            window.read().features().to_vec(),
             panes,
-            model.document.panels,
-            model.document.theme,
+            window.document().panels,
+            window.document().theme,
         )
     };
     let before = state(&window);
     window.key(Key::F1).steps(5).click("Lesson: Out of the dark").settle();
     let (in_lesson, count) = (window.read().is_in_lesson(), window.read().features().len());
     assert!(in_lesson && count == 0, "{in_lesson} {count}");
-    window.slide("Frame", 1.0).settle();
-    window.click("Next step").settle();
-    window.click("Leave lesson").settle();
+    window.slide("Frame", 1.0).settle().click("Next step").settle().click("Leave lesson").settle();
     assert!(!window.read().is_in_lesson());
     assert!(state(&window) == before, "everything is as it was");
     assert!(window.model().shell.history.can_undo(), "what was done before can be undone");
@@ -52,14 +49,11 @@ fn nothing_is_lost_of_what_was_open() {
 }
 
 #[test]
-fn a_step_is_set_up_again_and_what_is_opened_in_a_lesson_leaves_it() {
+fn a_step_is_set_up_again_and_what_is_opened_in_a_lesson_leaves_it_and_the_first_page_offers_lessons() {
     let mut window = nothing_open();
     window.app_mut().start_lesson(lesson("slope-is-depth"));
-    window.settle();
-    window.slide("Slope u", 2.5).settle();
-    window.click("Set the step up again").settle();
+    window.settle().slide("Slope u", 2.5).settle().click("Set the step up again").settle();
     assert_eq!(window.document().cursor().slope, Slope::new(-2.1, 0.0));
-    // A step far away, by its dot.
     window.click("Step 3: A slice through time").settle();
     let source = window.results().slots.a.burst.as_ref().map(|burst| burst.source.clone());
     assert_eq!(source.and_then(|source| source.name()), Some("demo-depths"));
@@ -67,6 +61,9 @@ fn a_step_is_set_up_again_and_what_is_opened_in_a_lesson_leaves_it() {
     assert!(window.app().lessons.open.is_none() && !window.read().is_in_lesson());
     assert_eq!(window.results().slots.a.burst.as_ref().map(|burst| &burst.source), Some(&BurstSource::Demo));
     assert_eq!(window.app().lessons.progress["slope-is-depth"].step, 2);
+    let mut window = nothing_open();
+    window.click_on(Role::Link, "Lesson: What noise does").steps(2).settle();
+    assert_eq!(window.app().lessons.open.as_ref().map(|open| open.lesson.name.as_str()), Some("what-noise-does"));
 }
 
 #[test]
@@ -134,15 +131,23 @@ fn in_a_hall_the_picture_is_large_and_a_presenters_keys_lead_through_the_lesson(
 }
 
 #[test]
-fn a_lesson_is_written_as_a_sheet() {
+fn a_lesson_is_written_as_a_sheet_and_what_was_measured_stays_from_step_to_step() {
     let (_folder, file) = folder_with("sheet.md");
     let mut window = at_step("ghosts", 0, SIZES[0]);
     window.will_choose(&file).run_action("export lesson sheet");
     window.wait("the sheet", |app| app.is_settled() && file.exists());
     assert_eq!(fs::read_to_string(file).unwrap(), sheet(&lesson("ghosts")));
+    let mut window = at_step("out-of-the-dark", 3, [1280.0, 800.0]);
+    for frames in [4.0, 10.0] {
+        window.slide("Frames", frames).settle();
+    }
+    assert!(window.shows("3 dots measured"));
+    window.click("Next step").settle();
+    assert!(window.shows("3 dots measured"), "four frames were measured before");
+    window.click("Set the step up again").settle();
+    assert!(window.shows("1 dot measured"));
 }
 
-/// Opens a built-in lesson at a step, from 0, in a window of `size`.
 fn at_step(name: &str, step: usize, size: [f32; 2]) -> Window {
     let mut window = Start { size, ..Start::nothing_open() }.open();
     window.app_mut().lessons.progress.entry(name.to_owned()).or_default().step = step;
@@ -152,7 +157,7 @@ fn at_step(name: &str, step: usize, size: [f32; 2]) -> Window {
 }
 
 #[test]
-fn zooms_keep_their_subject_in_sight() {
+fn zooms_keep_their_subject_in_sight_and_the_search_in_two_directions_circles_the_lanterns() {
     // Corners of the bus stop's disc and ring, and of the sign.
     let (bus_stop, sign) = ([[72.0, 170.0], [105.0, 202.0]], [[218.0, 150.0], [404.0, 205.0]]);
     for size in [[1280.0, 800.0], [960.0, 640.0]] {
@@ -165,23 +170,6 @@ fn zooms_keep_their_subject_in_sight() {
             }
         }
     }
-}
-
-#[test]
-fn what_was_measured_stays_from_step_to_step() {
-    let mut window = at_step("out-of-the-dark", 3, [1280.0, 800.0]);
-    for frames in [4.0, 10.0] {
-        window.slide("Frames", frames).settle();
-    }
-    assert!(window.shows("3 dots measured"));
-    window.click("Next step").settle();
-    assert!(window.shows("3 dots measured"), "four frames were measured before");
-    window.click("Set the step up again").settle();
-    assert!(window.shows("1 dot measured"));
-}
-
-#[test]
-fn the_search_in_two_directions_circles_the_lanterns() {
     let mut window = at_step("slope-is-depth", 7, [1280.0, 800.0]);
     let near = |window: &Window| {
         let rising = |f: &&burstscope::Feature| (f.slope.u - 1.6).hypot(f.slope.v + 1.2) < 0.5;
@@ -201,25 +189,18 @@ fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
         "title = \"My own\"\nabout = \"About it.\"\n\n[[step]]\ntitle = \"First\"\ncaption = \"Look at *this*.\"\n";
     fs::write(&file, good.replace("caption", "captoin")).unwrap();
     let mut window = nothing_open();
-    window.will_choose(folder.path()).run_action("open lessons").wait_for_error();
+    window.will_choose(&*folder).run_action("open lessons").wait_for_error();
     assert!(window.shows("mine.toml, line 6") && window.shows("captoin"));
     fs::write(&file, good).unwrap();
-    window.will_choose(folder.path()).run_action("open lessons").wait("the list", |app| app.lessons.list_is_open);
-    assert!(window.model().shell.messages.errors.is_empty(), "the mistake is mended");
+    window.will_choose(&*folder).run_action("open lessons").wait("the list", |app| app.lessons.list_is_open);
+    assert!(window.errors().is_empty(), "the mistake is mended");
     window.steps(5).click("Lesson: My own").settle();
     assert!(window.read().is_in_lesson(), "it is open");
     assert!(window.shows("First") && window.shows("Step 1 of 1"));
     let lessons = &mut window.app_mut().lessons;
-    lessons.open_at(folder.path()).unwrap();
+    lessons.open_at(&folder).unwrap();
     assert_eq!(lessons.all().count(), built_in().len() + 1, "opened again, it is there once");
     assert_eq!(Purpose::OpenLessons.title(), "Open lessons");
-}
-
-#[test]
-fn the_first_page_offers_lessons() {
-    let mut window = nothing_open();
-    window.click_on(Role::Link, "Lesson: What noise does").steps(2).settle();
-    assert_eq!(window.app().lessons.open.as_ref().map(|open| open.lesson.name.as_str()), Some("what-noise-does"));
 }
 
 #[test]

@@ -6,14 +6,13 @@ use burstscope::app::pane::{Direction, MAX_PANES, PaneGroup, Panes, Preset};
 const A: PaneId = PaneId::of(Side::A);
 const B: PaneId = PaneId::of(Side::B);
 
-/// Opens a pane of B to the right of the one in focus.
 fn open_beside(panes: &mut Panes) {
     let new = panes.split(panes.focus(), Direction::Right).expect("there is room");
     panes.get_mut(new).expect("there").side = Side::B;
 }
 
 #[test]
-fn panes_are_numbered_closed_and_limited() {
+fn panes_are_numbered_closed_and_limited_and_what_is_shown_of_one_goes_with_it() {
     let mut panes = Panes::default();
     let right = panes.split(A, Direction::Right).expect("there is room");
     assert_eq!((panes.number(right), panes.number(B)), (Some(2), None));
@@ -26,31 +25,6 @@ fn panes_are_numbered_closed_and_limited() {
         panes.split(panes.focus(), Direction::Right);
     }
     assert_eq!(panes.shown().len(), MAX_PANES);
-}
-
-#[test]
-fn linked_cursors_keep_their_distance_and_others_stay() {
-    let mut panes = Panes::default();
-    panes.lay_out(Preset::ThreeSlopes, &DetectorParams::default());
-    let slopes = |panes: &Panes| -> Vec<f32> {
-        panes.shown().iter().map(|id| panes.get(*id).expect("shown").cursor.slope.u).collect()
-    };
-    assert_eq!(slopes(&panes), [-1.0, 0.0, 1.0]);
-    let focus = panes.focus();
-    let last = panes.shown()[2];
-    panes.get_mut(last).expect("shown").links.cursor = false;
-    let before = panes.get(focus).expect("shown").cursor;
-    panes.get_mut(focus).expect("shown").cursor.slope = Slope::new(1.5, 0.0);
-    panes.follow_cursor(focus, before);
-    assert_eq!(slopes(&panes), [0.5, 1.5, 1.0]);
-    let (first, before) = (panes.shown()[0], panes.get(focus).expect("shown").view);
-    panes.get_mut(focus).expect("shown").view.zoom = Zoom::PointsPerPixel(3.0);
-    panes.follow_view(focus, &before);
-    assert_eq!(panes.get(first).expect("shown").view.zoom, Zoom::PointsPerPixel(3.0));
-}
-
-#[test]
-fn what_is_shown_of_a_pane_goes_with_it() {
     let mut panes = Panes::default();
     let second = panes.split(A, Direction::Right).expect("there is room");
     let third = panes.split(panes.focus(), Direction::Down).expect("there is room");
@@ -67,7 +41,42 @@ fn what_is_shown_of_a_pane_goes_with_it() {
 }
 
 #[test]
-fn the_panes_that_are_always_there_stay_on_their_bursts() {
+fn linked_cursors_keep_their_distance_and_b_follows_a_also_out_of_sight() {
+    let mut panes = Panes::default();
+    panes.lay_out(Preset::ThreeSlopes, &DetectorParams::default());
+    let slopes = |panes: &Panes| -> Vec<f32> {
+        panes.shown().iter().map(|id| panes.get(*id).expect("shown").cursor.slope.u).collect()
+    };
+    assert_eq!(slopes(&panes), [-1.0, 0.0, 1.0]);
+    let focus = panes.focus();
+    panes.get_mut(panes.shown()[2]).expect("shown").links.cursor = false;
+    let before = panes.get(focus).expect("shown").cursor;
+    panes.get_mut(focus).expect("shown").cursor.slope = Slope::new(1.5, 0.0);
+    panes.follow_cursor(focus, before);
+    assert_eq!(slopes(&panes), [0.5, 1.5, 1.0]);
+    let (first, before) = (panes.shown()[0], panes.get(focus).expect("shown").view);
+    panes.get_mut(focus).expect("shown").view.zoom = Zoom::PointsPerPixel(3.0);
+    panes.follow_view(focus, &before);
+    assert_eq!(panes.get(first).expect("shown").view.zoom, Zoom::PointsPerPixel(3.0));
+    let mut panes = Panes::default();
+    let second = panes.split(A, Direction::Right).expect("there is room");
+    let before = panes.of(Side::A).cursor;
+    let pane = panes.get_mut(second).expect("there");
+    pane.cursor.slope = Slope::new(1.0, 0.0);
+    pane.show(ViewKind::Dog);
+    panes.follow_cursor(second, before);
+    let cursors = Side::BOTH.map(|side| panes.of(side).cursor);
+    assert_eq!(cursors.map(|cursor| cursor.slope.u), [1.0, 1.0]);
+    assert_eq!(cursors.map(|cursor| cursor.kind), [ViewKind::Stack, ViewKind::Dog], "panes of one burst may differ");
+    panes.of_mut(Side::B).links.cursor = false;
+    let before = panes.of(Side::A).cursor;
+    panes.of_mut(Side::A).cursor.level = 2;
+    panes.follow_cursor(A, before);
+    assert_eq!(panes.of(Side::B).cursor.level, 0);
+}
+
+#[test]
+fn panes_that_are_always_there_stay_on_their_bursts_and_a_closed_burst_takes_its_own_with_it() {
     let mut panes = Panes::default();
     let right = panes.split(A, Direction::Right).expect("there is room");
     panes.next_over();
@@ -79,10 +88,6 @@ fn the_panes_that_are_always_there_stay_on_their_bursts() {
     assert_eq!(panes.get(right).and_then(|pane| pane.over).map(Over::other), Some(first));
     panes.show_side(right, Side::B);
     assert_eq!(panes.shown(), [first, right]);
-}
-
-#[test]
-fn a_burst_that_is_closed_takes_its_panes_with_it() {
     let mut panes = Panes::default();
     open_beside(&mut panes);
     panes.close_side(Side::B);
@@ -108,23 +113,4 @@ fn each_workspace_has_its_own_panes_and_what_is_in_two_is_the_same() {
     // Closing a burst removes its panes from all workspaces.
     panes.close_side(Side::B);
     assert_eq!((panes.shown_in(PaneGroup::Pair), panes.get(below).is_none()), (vec![A, B], true));
-}
-
-#[test]
-fn b_follows_a_also_while_it_is_not_on_the_screen() {
-    let mut panes = Panes::default();
-    let second = panes.split(A, Direction::Right).expect("there is room");
-    let before = panes.of(Side::A).cursor;
-    let pane = panes.get_mut(second).expect("there");
-    pane.cursor.slope = Slope::new(1.0, 0.0);
-    pane.show(ViewKind::Dog);
-    panes.follow_cursor(second, before);
-    let cursors = Side::BOTH.map(|side| panes.of(side).cursor);
-    assert_eq!(cursors.map(|cursor| cursor.slope.u), [1.0, 1.0]);
-    assert_eq!(cursors.map(|cursor| cursor.kind), [ViewKind::Stack, ViewKind::Dog], "panes of one burst may differ");
-    panes.of_mut(Side::B).links.cursor = false;
-    let before = panes.of(Side::A).cursor;
-    panes.of_mut(Side::A).cursor.level = 2;
-    panes.follow_cursor(A, before);
-    assert_eq!(panes.of(Side::B).cursor.level, 0);
 }

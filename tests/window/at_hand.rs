@@ -1,17 +1,15 @@
 //! What the hand finds where it looks: contrast, playing, the wheel, focus under the pointer, only real features.
 
 use crate::support::*;
-use burstscope::app::document::panes::{Hidden, MaskShape};
-use burstscope::inspect::words::slope_text;
+use burstscope::{app::document::panes::Hidden, app::document::panes::MaskShape, inspect::words::slope_text};
 use egui::{Event, MouseWheelSource, MouseWheelUnit, PointerButton};
 
-/// Turns the wheel up by a notch, with the pointer at a place of the window.
 fn wheel_at(window: &mut Window, pos: Pos2, modifiers: Modifiers) {
     window.hover(pos).steps(1);
     let (unit, phase, source) = (MouseWheelUnit::Line, egui::TouchPhase::Move, MouseWheelSource::Unknown);
     let event = Event::MouseWheel { unit, delta: vec2(0.0, 1.0), phase, source, modifiers };
     window.harness.event_modifiers(event, modifiers);
-    window.harness.run_steps(3);
+    window.steps(3);
 }
 
 fn centre_of(window: &Window, role: Role, name: &str) -> Pos2 {
@@ -29,9 +27,9 @@ fn contrast_is_set_in_the_header_of_a_pane() {
     assert_eq!((display(&window).min, display(&window).max), (0.0, 1.0));
     window.key(Key::Escape);
     // A range of another kind of picture, chosen before, is not this picture's to set.
-    window.app_mut().model.document.look.ranges.response_fixed = true;
+    window.set().look.ranges.response_fixed = true;
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::A);
-    window.harness.run_steps(3);
+    window.steps(3);
     assert!(window.document().look.ranges.response_fixed);
     assert_eq!((display(&window).min, display(&window).max), (before.min, before.max), "the percentiles again");
     // Dragged sideways the range moves, downwards it widens.
@@ -46,13 +44,12 @@ fn contrast_is_set_in_the_header_of_a_pane() {
 }
 
 #[test]
-fn playing_steps_through_what_the_picture_shows() {
+fn playing_steps_through_what_the_picture_shows_and_the_title_names_what_is_open() {
     let mut window = Start::without_auto_detect().open();
     window.key(Key::Num1).settle();
     let start = *window.document().cursor();
     window.key(Key::Space).wait("another frame", |app| app.model.document.cursor().frame != start.frame);
-    window.click("What is played").click_on(Role::RadioButton, "frames").steps(3).key(Key::Escape);
-    window.click("⏸ Pause");
+    window.click("What is played").click_on(Role::RadioButton, "frames").steps(3).key(Key::Escape).click("⏸ Pause");
     let cursor = *window.document().cursor();
     assert_eq!((cursor.kind, cursor.slope), (ViewKind::Frame, start.slope), "frames are played, and nothing else");
     assert!(!window.document().playing);
@@ -60,10 +57,15 @@ fn playing_steps_through_what_the_picture_shows() {
     window.click("▶ Play").wait("another scale", |app| app.model.document.cursor().level != start.level);
     window.click("⏸ Pause");
     assert_eq!(window.document().cursor().kind, ViewKind::Dog);
+    assert_eq!(Start::nothing_open().open().app().read().title(), "Burstscope");
+    let mut window = Start::without_auto_detect().open();
+    assert_eq!(window.read().title(), "Demo burst – Burstscope");
+    window.run_action("example: low contrast").settle();
+    assert_eq!(window.read().title(), "Example: low contrast – Burstscope");
 }
 
 #[test]
-fn the_wheel_moves_a_slider_the_plane_and_with_alt_what_a_picture_shows() {
+fn the_wheel_moves_sliders_and_pictures_and_a_frame_beside_a_stack_moves_alone() {
     let mut window = Start::without_auto_detect().open();
     let cursor = |window: &Window| *window.document().cursor();
     let (frame, zoom) = (cursor(&window).frame, window.document().focused().view);
@@ -81,10 +83,6 @@ fn the_wheel_moves_a_slider_the_plane_and_with_alt_what_a_picture_shows() {
     assert!(window.document().focused().view.is_drawn_as(&zoom), "with Alt nothing is zoomed");
     wheel_at(&mut window, picture, Modifiers::NONE);
     assert!(!window.document().focused().view.is_drawn_as(&zoom), "without it the wheel zooms");
-}
-
-#[test]
-fn a_frame_beside_a_stack_moves_alone() {
     let mut window = Start::without_auto_detect().open();
     window.key(Key::Num6).settle();
     let kinds = |window: &Window| {
@@ -94,7 +92,7 @@ fn a_frame_beside_a_stack_moves_alone() {
     let before = kinds(&window);
     assert!(before.contains(&ViewKind::Frame) && before.contains(&ViewKind::Stack), "{before:?}");
     for id in window.document().panes.shown() {
-        window.app_mut().model.document.panes.set_focus(id);
+        window.set().panes.set_focus(id);
         window.slide("Frame", if id == PaneId(0) { 7.0 } else { 3.0 }).settle();
         assert_eq!(kinds(&window), before, "with {id:?} in focus");
         for key in [Key::Period, Key::Comma] {
@@ -128,7 +126,7 @@ fn the_loupe_shows_the_place_under_the_pointer_and_a_click_takes_its_slope() {
     assert_eq!(cursor(&window), before, "the pane stays as it is");
     for name in [format!("Frame {}", before.frame), "Stack".to_owned(), "In focus".to_owned()] {
         let patch = format!("{name} in the loupe");
-        assert!(window.harness.query_by_role_and_label(Role::Image, &patch).is_some(), "{patch}");
+        assert!(window.has(Role::Image, &patch), "{patch}");
     }
     let (_, taken) = window.results().patches.loupe.expect("on show");
     assert!((taken.u - slope.u).abs() < 0.011 && (taken.v - slope.v).abs() < 0.011, "{taken:?} {slope:?}");
@@ -138,14 +136,14 @@ fn the_loupe_shows_the_place_under_the_pointer_and_a_click_takes_its_slope() {
     for pressed in [true, false] {
         let (pos, button, modifiers) = (at, PointerButton::Primary, Modifiers::COMMAND);
         window.harness.event(Event::PointerButton { pos, button, pressed, modifiers });
-        window.harness.run_steps(1);
+        window.steps(1);
     }
     assert_eq!(cursor(&window).slope, taken);
     window.settle();
     let shown = &window.read().picture().expect("made").plane;
     assert!(Arc::ptr_eq(shown, &stack), "the picture that the loupe had asked for");
     window.harness.event(Event::ModifiersChanged(Modifiers::NONE));
-    window.harness.run_steps(3);
+    window.steps(3);
     assert!(!window.shows("Sharp at ") && cursor(&window).slope == taken, "the slope stays without the key");
     window.ctrl(Key::Z);
     assert_eq!(cursor(&window).slope, before.slope, "the click is one step");
@@ -168,7 +166,7 @@ fn the_place_under_the_pointer_comes_into_focus_and_goes_back() {
     assert_eq!(window.document().cursor().slope, slope);
     assert!(window.shows("Sharp at "));
     window.harness.event(Event::ModifiersChanged(Modifiers::NONE));
-    window.harness.run_steps(3);
+    window.steps(3);
     assert_eq!(window.document().cursor().slope, before.slope, "as before once it is let go");
     // The switch leads without a key, and what it led through is one step to undo.
     window.run_action("focus under");
@@ -198,8 +196,7 @@ fn a_mask_is_drawn_by_rectangle_polygon_and_brush() {
     assert!(corners.len() == 4 && corners[0].distance(pos2(100.0, 100.0)) < 2.0, "{corners:?}");
     window.click("polygon");
     for (u, v) in [(50.0, 50.0), (90.0, 50.0), (90.0, 90.0), (50.0, 50.0)] {
-        let at = pos(&window, u, v);
-        window.click_at(at);
+        window.click_at(pos(&window, u, v));
     }
     let [_, Hidden::Outline(corners)] = &hidden(&window)[..] else { panic!("{:?}", hidden(&window)) };
     assert_eq!((corners.len(), window.document().measure.is_open), (3, false));
@@ -212,24 +209,15 @@ fn a_mask_is_drawn_by_rectangle_polygon_and_brush() {
 }
 
 #[test]
-fn the_title_names_what_is_open() {
-    assert_eq!(Start::nothing_open().open().app().read().title(), "Burstscope");
-    let mut window = Start::without_auto_detect().open();
-    assert_eq!(window.read().title(), "Demo burst – Burstscope");
-    window.run_action("example: low contrast").settle();
-    assert_eq!(window.read().title(), "Example: low contrast – Burstscope");
-}
-
-#[test]
 fn only_real_features_are_shown_and_written() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     let mut window = Start::automatic().open();
     let all = window.read().features().len();
     window.run_action("only real").settle();
     assert_eq!(window.document().filter.verdict, Some(Verdict::Real));
     let shown = window.results().listed.len();
     assert!(0 < shown && shown < all, "{shown} of {all}");
-    let file = home.path().join("real.csv");
+    let file = home.join("real.csv");
     window.will_choose(&file).run_action("export features as csv").settle();
     let text = fs::read_to_string(&file).expect("written");
     assert_eq!(text.lines().count(), 1 + shown);

@@ -6,7 +6,8 @@ use burstscope::burst::TimesChoice;
 use image::GrayImage;
 
 /// Writes bursts of four frames and a mask that hides the left eight columns, all of one size.
-fn bursts(home: &Path) -> (PathBuf, PathBuf, PathBuf) {
+fn bursts() -> (Folder, PathBuf, PathBuf, PathBuf) {
+    let home = folder();
     for (burst, shift) in [("slider", 0u32), ("cube", 3)] {
         fs::create_dir(home.join(burst)).unwrap();
         for t in 0..4 {
@@ -16,10 +17,10 @@ fn bursts(home: &Path) -> (PathBuf, PathBuf, PathBuf) {
     }
     let mask = home.join("mask.png");
     GrayImage::from_fn(96, 64, |u, _| image::Luma([if u < 8 { 0 } else { 255 }])).save(&mask).unwrap();
-    (home.join("slider"), home.join("cube"), mask)
+    let (slider, cube) = (home.join("slider"), home.join("cube"));
+    (home, slider, cube, mask)
 }
 
-/// Start on a burst whose slopes are found.
 fn start(path: &Path) -> Start {
     let mut start = Start::of(path);
     start.startup.params = SearchParams::default();
@@ -31,18 +32,16 @@ fn open(window: &mut Window, path: &Path) {
 }
 
 fn set_mask(window: &mut Window, mask: &Path) {
-    window.run_action("calibration").will_choose(mask).click("Choose mask…").settle();
-    window.click("Apply").settle();
+    window.run_action("calibration").will_choose(mask).click("Choose mask…").settle().click("Apply").settle();
 }
 
 fn is_masked(window: &Window) -> bool {
-    window.results().slots.a.burst.as_ref().unwrap().burst.frames[0].weight_at(3, 30) == 0.0
+    window.opened().burst.frames[0].weight_at(3, 30) == 0.0
 }
 
 #[test]
-fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
-    let home = tempfile::tempdir().unwrap();
-    let (slider, cube, mask) = bursts(home.path());
+fn the_next_burst_begins_without_what_was_set_and_a_mask_is_hatched_in_every_picture() {
+    let (_home, slider, cube, mask) = bursts();
     let mut window = start(&slider).open();
     set_mask(&mut window, &mask);
     assert!(is_masked(&window));
@@ -51,39 +50,26 @@ fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
     model.document.params.slopes = SlopeGrid::line(-2.0..=2.0, 5).into();
     model.document.filter.verdict = Some(Verdict::Ghost);
     let search = model.document.params.clone();
-    // The same burst again keeps all.
     open(&mut window, &slider);
     assert!(is_masked(&window) && window.document().params == search && !window.document().filter.is_open());
     assert!(!window.shows("not used here"));
     open(&mut window, &cube);
-    let model = window.model();
     assert!(!is_masked(&window), "the mask of another burst");
-    assert_eq!(
-        (model.document.calibration.mask.clone(), model.document.params.frames, model.document.params.slopes),
-        (None, None, Slopes::AUTO)
-    );
-    assert!(model.document.filter.is_open());
+    assert_eq!(window.document().calibration.mask.clone(), None);
+    assert_eq!(window.document().params.frames, None);
+    assert_eq!(window.document().params.slopes, Slopes::AUTO);
+    assert!(window.document().filter.is_open());
     assert!(window.shows("The mask, frames used, slopes and filter of slider are not used here."));
     window.click("Use them").settle();
-    let model = window.model();
-    assert!(
-        is_masked(&window)
-            && model.document.params.slopes == search.slopes
-            && model.document.params.frames == search.frames
-    );
-    assert!(!model.document.filter.is_open() && !window.shows("not used here"));
-    // Back again without it, and for good.
+    assert!(is_masked(&window) && window.document().params.slopes == search.slopes);
+    assert!(window.document().params.frames == search.frames);
+    assert!(!window.document().filter.is_open() && !window.shows("not used here"));
     open(&mut window, &slider);
     assert!(!is_masked(&window));
     assert!(window.shows("of cube are not used here."));
     window.click("Dismiss").settle();
     assert!(!window.shows("not used here"));
-}
-
-#[test]
-fn a_mask_is_hatched_in_every_picture() {
-    let home = tempfile::tempdir().unwrap();
-    let (slider, _, mask) = bursts(home.path());
+    let (_home, slider, _, mask) = bursts();
     let mut window = start(&slider).open();
     set_mask(&mut window, &mask);
     for key in [Key::Z, Key::B, Key::G] {
@@ -96,8 +82,7 @@ fn a_mask_is_hatched_in_every_picture() {
 
 #[test]
 fn every_way_to_another_burst_drops_the_mask() {
-    let home = tempfile::tempdir().unwrap();
-    let (slider, cube, mask) = bursts(home.path());
+    let (_home, slider, cube, mask) = bursts();
     type Way = for<'w> fn(&'w mut Window, &Path) -> &'w mut Window;
     let ways: [(&str, Way); 5] = [
         ("dropped", |window, cube| window.drop_file(cube.to_owned())),
@@ -124,8 +109,7 @@ fn every_way_to_another_burst_drops_the_mask() {
 
 #[test]
 fn a_second_burst_has_not_the_mask_of_the_first_and_a_session_keeps_both() {
-    let home = tempfile::tempdir().unwrap();
-    let (slider, cube, mask) = bursts(home.path());
+    let (home, slider, cube, mask) = bursts();
     let mut window = start(&slider).open();
     set_mask(&mut window, &mask);
     window.will_choose(&cube).run_action("open b: folder").settle();
@@ -138,7 +122,7 @@ fn a_second_burst_has_not_the_mask_of_the_first_and_a_session_keeps_both() {
     };
     assert_eq!(hides(&window), [true, false]);
     assert!(window.shows("The mask of slider is not used in B."));
-    let file = home.path().join("two.burstscope.toml");
+    let file = home.join("two.burstscope.toml");
     let other = window.kept_and_opened_in_another(&file);
     assert_eq!(hides(&other), [true, false]);
     assert!(!other.shows("not used"));
@@ -147,25 +131,17 @@ fn a_second_burst_has_not_the_mask_of_the_first_and_a_session_keeps_both() {
 }
 
 #[test]
-fn a_refused_calibration_changes_nothing_and_other_bursts_still_open() {
-    let home = tempfile::tempdir().unwrap();
-    let (slider, cube, _) = bursts(home.path());
+fn a_refused_calibration_changes_nothing_and_a_step_back_takes_times_back() {
+    let (_home, slider, cube, _) = bursts();
     let mut window = start(&slider).open();
     window.run_action("calibration");
     // The frames do not say when they were taken.
     window.click_on(Role::RadioButton, "Files").steps(2).click("Apply").wait_for_error().settle();
     assert_eq!(window.document().calibration.times, None);
     open(&mut window, &cube);
-    let model = window.model();
-    assert_eq!((Read::of(model).frame_count(), &model.shell.messages.errors[..]), (4, &[][..]), "it opens");
-    let open = model.results.slots.a.burst.as_ref().unwrap();
-    assert_eq!(open.source, BurstSource::Paths(vec![cube]));
-}
-
-#[test]
-fn a_step_back_takes_times_back_and_says_so() {
-    let home = tempfile::tempdir().unwrap();
-    let (slider, ..) = bursts(home.path());
+    assert_eq!((window.read().frame_count(), window.errors()), (4, &[][..]), "it opens");
+    assert_eq!(window.opened().source, BurstSource::Paths(vec![cube]));
+    let (_home, slider, ..) = bursts();
     let mut window = start(&slider).open();
     let names = |window: &Window| window.document().calibration.times.clone();
     window.run_action("calibration");
@@ -186,7 +162,7 @@ fn a_step_back_takes_times_back_and_says_so() {
 fn a_filter_is_seen_above_the_picture_until_it_is_gone() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     let chip = "Show all features again";
-    let has_chip = |window: &Window| window.harness.query_by_role_and_label(Role::Button, chip).is_some();
+    let has_chip = |window: &Window| window.has(Role::Button, chip);
     assert!(!has_chip(&window));
     window.change(|document| document.filter.verdict = Some(Verdict::Ghost)).settle();
     // Also where no table is open, and in each of several panes.

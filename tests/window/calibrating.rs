@@ -6,7 +6,8 @@ use image::{ImageBuffer, Luma};
 
 /// Writes frames of an even light of 1200 behind a lens that dims the right half by one half, on stripes of 100 and
 /// 300.
-fn frames(home: &Path) {
+fn frames() -> Folder {
+    let home = folder();
     let bias = |v: u32| if v.is_multiple_of(2) { 100u16 } else { 300 };
     let light = |u: u32| if u < 48 { 1200u16 } else { 600 };
     let save = |name: &str, value: &dyn Fn(u32, u32) -> u16| {
@@ -19,16 +20,14 @@ fn frames(home: &Path) {
     save("bias.png", &|_, v| bias(v));
     save("mask.png", &|u, _| if u < 8 { 0 } else { 65_535 });
     save("flat.png", &|u, v| bias(v) + 3 * light(u));
+    home
 }
 
 #[test]
 fn calibration_is_dropped_applied_and_kept_in_the_session() {
-    let home = tempfile::tempdir().unwrap();
-    frames(home.path());
-    let mut window = Start::of(&home.path().join("night")).open();
-    let value = |window: &Window, u: usize, v: usize| {
-        window.results().slots.a.burst.as_ref().unwrap().burst.frames[0].at(u, v) * 65_535.0
-    };
+    let home = frames();
+    let mut window = Start::of(&home.join("night")).open();
+    let value = |window: &Window, u: usize, v: usize| window.opened().burst.frames[0].at(u, v) * 65_535.0;
     assert!((value(&window, 0, 0) - 1300.0).abs() < 3.0 && (value(&window, 90, 1) - 900.0).abs() < 3.0);
     // The suggestion about the values was noted when the burst was opened.
     assert!(
@@ -47,43 +46,37 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
             .any(|note| note.option == Some("full-scale"))
     );
     window.run_action("calibration");
-    // The first dropped file is the bias; the flat is chosen.
-    window.drop_file(home.path().join("bias.png")).will_choose(home.path().join("flat.png"));
+    window.drop_file(home.join("bias.png")).will_choose(home.join("flat.png"));
     window.click("Choose flat frame…").wait("both are named", |app| app.is_settled()).steps(3);
-    // The third is the mask.
-    window.drop_file(home.path().join("mask.png")).steps(3);
+    window.drop_file(home.join("mask.png")).steps(3);
     assert!(window.shows("bias.png") && window.shows("flat.png") && window.shows("mask.png"));
     window.snapshot("calibration").click("Apply").settle();
-    let masked = window.results().slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
+    let masked = window.opened().burst.frames[0].clone();
     assert_eq!([masked.weight_at(7, 30), masked.weight_at(8, 30)], [0.0, 1.0]);
-    // Both halves are as bright, and there are no stripes.
     for (u, v) in [(0, 0), (0, 1), (90, 0), (90, 1)] {
         assert!((value(&window, u, v) - 900.0).abs() < 4.0, "({u}, {v}): {}", value(&window, u, v));
     }
-    let file = home.path().join("night.burstscope.toml");
+    let file = home.join("night.burstscope.toml");
     let mut other = window.kept_and_opened_in_another(&file);
     assert!((value(&other, 90, 1) - 900.0).abs() < 4.0);
     let kept = other.document().calibration.clone();
     assert!(kept.bias.is_some_and(|path| path.ends_with("bias.png")) && kept.flat.is_some() && kept.mask.is_some());
-    // Without calibration, values are as in the files.
     other.run_action("calibration").click("Reset").click("Apply").settle();
     assert!((value(&other, 0, 0) - 1300.0).abs() < 3.0);
 }
 
 #[test]
 fn a_calibration_that_does_not_fit_is_said_and_the_burst_stays() {
-    let home = tempfile::tempdir().unwrap();
-    frames(home.path());
-    let wrong = home.path().join("small.png");
+    let home = frames();
+    let wrong = home.join("small.png");
     image::GrayImage::new(8, 8).save(&wrong).unwrap();
-    let mut window = Start::of(&home.path().join("night")).open();
+    let mut window = Start::of(&home.join("night")).open();
     window.run_action("calibration").drop_file(wrong).click_on(Role::CheckBox, "Linear light").steps(2);
     window.click("Apply").wait_for_error();
     assert!(window.shows("the bias frame is 8×8"));
-    assert_eq!(window.results().slots.a.burst.as_ref().unwrap().burst.len(), 4);
+    assert_eq!(window.opened().burst.len(), 4);
 }
 
-/// Drags along the places of the focused pane's image.
 fn drag_along(window: &mut Window, places: &[Pos2]) {
     let places: Vec<Pos2> = places.iter().map(|pos| window.ui_from_image(*pos).unwrap()).collect();
     window.hover(places[0]).steps(1);
@@ -92,14 +85,13 @@ fn drag_along(window: &mut Window, places: &[Pos2]) {
         window.hover(*pos).steps(1);
     }
     window.harness.drop_at(places[places.len() - 1]);
-    window.harness.run_steps(2);
+    window.steps(2);
 }
 
 #[test]
 fn a_mask_is_drawn_on_the_picture_written_and_used() {
-    let home = tempfile::tempdir().unwrap();
-    frames(home.path());
-    let mut window = Start { size: [900.0, 600.0], ..Start::of(&home.path().join("night")) }.open();
+    let home = frames();
+    let mut window = Start { size: [900.0, 600.0], ..Start::of(&home.join("night")) }.open();
     window.key(Key::Num1).run_action("calibration").click("Draw");
     assert_eq!(window.document().measure.tool, Tool::Mask);
     assert!(window.shows("Hide") && window.shows("rectangle"));
@@ -109,34 +101,32 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     assert_eq!(window.document().measure.hidden.len(), 2);
     window.click("Take back");
     assert_eq!(window.document().measure.hidden.len(), 1);
-    let file = home.path().join("arm.png");
-    window.will_choose(&file).click("Use as mask…").wait("the mask is written", |_| file.is_file()).settle();
-    window.harness.run_steps(3);
+    let file = home.join("arm.png");
+    window.will_choose(&file).click("Use as mask…").wait("the mask is written", |_| file.is_file()).settle().steps(3);
     assert!(window.shows("arm.png"));
     window.click("Apply").settle();
-    let frame = window.results().slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
+    let frame = window.opened().burst.frames[0].clone();
     assert_eq!(
         [frame.is_hidden_at(10, 35), frame.is_hidden_at(10, 15), frame.is_hidden_at(80, 56)],
         [true, false, false]
     );
     assert!(window.document().measure.is_empty(), "what was drawn is in the mask");
-    // Another outline is added to it.
     window.run_action("draw mask");
     drag_along(&mut window, &[pos2(60.0, 52.0), pos2(90.0, 52.0), pos2(90.0, 60.0), pos2(60.0, 60.0)]);
     window.snapshot("mask_drawn");
-    let both = home.path().join("both.png");
+    let both = home.join("both.png");
     window.will_choose(&both).click("Use as mask…").wait("the mask is written", |_| both.is_file()).settle();
     let greys = image::open(both).unwrap().into_luma8();
     let grey = |u: u32, v: u32| greys.get_pixel(u, v).0[0];
     assert_eq!([grey(10, 35), grey(80, 56), grey(50, 40)], [0, 0, 255]);
     // Masks of all frames lie in a folder.
-    let masks = home.path().join("masks");
+    let masks = home.join("masks");
     fs::create_dir(&masks).unwrap();
     for t in 0..4 {
         fs::copy(&file, masks.join(format!("{t}.png.png"))).unwrap();
     }
     window.will_choose(&masks).click("Folder…").wait("the dialog names the folder", |app| app.is_settled());
     window.click("Apply").settle();
-    let frame = window.results().slots.a.burst.as_ref().unwrap().burst.frames[3].clone();
+    let frame = window.opened().burst.frames[3].clone();
     assert!(frame.is_hidden_at(10, 35) && !frame.is_hidden_at(80, 56));
 }

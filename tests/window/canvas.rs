@@ -10,14 +10,12 @@ use burstscope::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use burstscope::plane::display::{ColourMap, Display};
 use egui::{Event, MouseWheelUnit, TouchPhase};
 
-/// Slopes of the features of these tests: a plane, whose colours are directions.
 const SLOPES: SlopeGrid = SlopeGrid {
     u: SlopeAxis { min: -3.0, max: 3.0, count: 7 },
     v: SlopeAxis { min: -3.0, max: 3.0, count: 7 },
     direction_deg: 0.0,
 };
 
-/// A window with a canvas, its histogram and a legend.
 struct Window {
     picture: Option<Picture>,
     features: Vec<Feature>,
@@ -36,7 +34,6 @@ struct Window {
     ui_from_image: Option<RectTransform>,
 }
 
-/// A dark picture with blobs of several sizes, and their features.
 fn blobs() -> (Plane, Vec<Feature>) {
     const BLOBS: [(f32, f32, f32, f32, f32); 7] = [
         (60.0, 50.0, 4.0, 2.0, 0.0),
@@ -135,7 +132,6 @@ fn harness(theme: egui::Theme, window: Window) -> Harness<'static, Window> {
     harness
 }
 
-/// Turns the wheel by `notches` over `pos`.
 fn wheel(harness: &mut Harness<'_, Window>, pos: Pos2, notches: f32, modifiers: Modifiers) {
     harness.hover_at(pos);
     harness.step();
@@ -149,7 +145,6 @@ fn wheel(harness: &mut Harness<'_, Window>, pos: Pos2, notches: f32, modifiers: 
     harness.run();
 }
 
-/// Presses at `from`, drags to `to`, releases.
 fn drag(harness: &mut Harness<'_, Window>, from: Pos2, to: Pos2) {
     harness.hover_at(from);
     harness.step();
@@ -164,7 +159,7 @@ fn drag(harness: &mut Harness<'_, Window>, from: Pos2, to: Pos2) {
 }
 
 #[test]
-fn the_canvas_is_found_by_its_name_and_shows_the_whole_picture() {
+fn the_canvas_has_a_name_a_click_selects_and_a_drag_moves_the_picture() {
     let mut harness = harness(egui::Theme::Dark, window());
     let node = harness.get_by_label("Picture").rect();
     assert_eq!(node, harness.state().canvas_rect);
@@ -173,6 +168,21 @@ fn the_canvas_is_found_by_its_name_and_shows_the_whole_picture() {
     harness.run();
     let hover = harness.state().hover_image.expect("the pointer is over the picture");
     assert!((hover - pos2(159.5, 119.5)).length() < 1.0, "{hover:?}");
+    let place = harness.state().ui_from_image.unwrap().pos(pos2(140.0, 80.0));
+    harness.hover_at(place);
+    harness.run();
+    assert_eq!(harness.state().hovered, Some(1));
+    harness.drag_at(place);
+    harness.drop_at(place);
+    harness.run();
+    assert_eq!(harness.state().selected, Some(1));
+    harness.state_mut().view = View::new(Zoom::PointsPerPixel(4.0), [160.0, 120.0]);
+    harness.run();
+    let centre = harness.state().canvas_rect.center();
+    drag(&mut harness, centre, centre + vec2(40.0, -20.0));
+    let [u, v] = harness.state().view.centre_image;
+    assert!((u - 150.0).abs() < 0.3 && (v - 125.0).abs() < 0.3, "({u}, {v})");
+    assert_eq!(harness.state().view.zoom, Zoom::PointsPerPixel(4.0));
 }
 
 #[test]
@@ -193,31 +203,6 @@ fn the_wheel_zooms_at_the_pointer_and_a_double_click_fits_again() {
         harness.run();
         assert!(harness.state().view.is_fit());
     }
-}
-
-#[test]
-fn dragging_moves_the_picture_with_the_hand() {
-    let mut harness = harness(egui::Theme::Dark, window());
-    harness.state_mut().view = View::new(Zoom::PointsPerPixel(4.0), [160.0, 120.0]);
-    harness.run();
-    let centre = harness.state().canvas_rect.center();
-    drag(&mut harness, centre, centre + vec2(40.0, -20.0));
-    let [u, v] = harness.state().view.centre_image;
-    assert!((u - 150.0).abs() < 0.3 && (v - 125.0).abs() < 0.3, "({u}, {v})");
-    assert_eq!(harness.state().view.zoom, Zoom::PointsPerPixel(4.0));
-}
-
-#[test]
-fn pointing_highlights_and_clicking_selects_a_feature() {
-    let mut harness = harness(egui::Theme::Dark, window());
-    let place = harness.state().ui_from_image.unwrap().pos(pos2(140.0, 80.0));
-    harness.hover_at(place);
-    harness.run();
-    assert_eq!(harness.state().hovered, Some(1));
-    harness.drag_at(place);
-    harness.drop_at(place);
-    harness.run();
-    assert_eq!(harness.state().selected, Some(1));
 }
 
 #[test]
@@ -260,7 +245,7 @@ fn a_symmetric_display_stays_symmetric_whatever_is_pressed() {
 }
 
 #[test]
-fn the_handle_of_the_histogram_can_be_dragged() {
+fn the_handle_of_the_histogram_is_dragged_and_a_colour_map_picked() {
     let mut harness = harness(egui::Theme::Dark, window());
     let plot = harness.get_by_label("Histogram").rect();
     let before = harness.state().display;
@@ -270,6 +255,14 @@ fn the_handle_of_the_histogram_can_be_dragged() {
     let after = harness.state().display;
     assert_eq!(after.min, before.min);
     assert!((after.max - 0.05).abs() < 0.004, "{after:?}");
+    harness.get_by_role_and_label(egui::accesskit::Role::ComboBox, "Colour map").click();
+    harness.run();
+    for map in ColourMap::ALL.into_iter().filter(|&map| map != ColourMap::Grey) {
+        harness.get_by_label(map.name());
+    }
+    harness.get_by_label("Cividis").click();
+    harness.run();
+    assert_eq!(harness.state().display.map, ColourMap::Cividis);
 }
 
 #[test]
@@ -292,12 +285,11 @@ fn exposure_changes_the_picture_without_an_upload() {
     }
     assert!(images[0] != images[1] && images[1] != images[2]);
     let renderer = window.render_state.renderer.read();
-    let pictures = renderer.callback_resources.get::<PictureRenderer>().unwrap();
-    assert_eq!(pictures.uploads, 1);
+    assert_eq!(renderer.callback_resources.get::<PictureRenderer>().unwrap().uploads, 1);
 }
 
 #[test]
-fn without_a_picture_or_a_card_the_canvas_says_so() {
+fn the_canvas_stands_without_a_picture_or_a_card_and_on_a_hidpi_screen() {
     let mut w = window();
     w.picture = None;
     let mut empty = harness(egui::Theme::Light, w);
@@ -306,47 +298,40 @@ fn without_a_picture_or_a_card_the_canvas_says_so() {
     // Without `install` the window still runs.
     let mut bare = common::builder([900.0, 560.0]).build_ui_state(window_ui, window());
     bare.run();
+    let mut w = window();
+    w.view.set_one_to_one(2.0);
+    let builder = common::with_pictures(common::builder([900.0, 560.0])).with_pixels_per_point(2.0);
+    let mut harness = builder.build_ui_state(window_ui, w);
+    harness.run();
+    let two_pixels = harness.state().ui_from_image.unwrap().scale() * vec2(2.0, 0.0);
+    assert!((two_pixels.x - 1.0).abs() < 1e-6, "two image pixels are one point: {two_pixels:?}");
 }
 
 #[test]
-fn picture_with_features_dark() {
-    let mut w = window();
-    w.selected = Some(4);
-    let mut harness = harness(egui::Theme::Dark, w);
-    pictures::compare(&mut harness, "flat/canvas_features_dark");
-}
-
-#[test]
-fn values_in_large_pixels_light() {
-    let mut w = window();
-    w.view = View::new(Zoom::PointsPerPixel(48.0), [60.2, 50.4]);
-    w.display = Display { max: 0.09, gamma: 1.4, map: ColourMap::Viridis, ..Display::default() };
-    w.colour_by = ColourBy::Of(Quantity::Sigma);
-    let mut harness = harness(egui::Theme::Light, w);
-    pictures::compare(&mut harness, "flat/canvas_values_light");
-}
-
-#[test]
-fn response_with_sign_light() {
-    let mut w = window();
-    let (plane, _) = blobs();
-    let signed = Plane::from_fn(160, 120, |u, v| plane.at(2 * u, 2 * v) - plane.at((2 * u + 14).min(319), 2 * v));
-    w.picture = Some(Picture::of_octave(Arc::new(signed), 1, (320, 240), "DoG response"));
-    w.display = Display::symmetric(0.04);
-    w.colour_by = ColourBy::Of(Quantity::Response);
-    let mut harness = harness(egui::Theme::Light, w);
-    pictures::compare(&mut harness, "flat/canvas_response_light");
-}
-
-#[test]
-fn stale_features_and_picture_dark() {
-    let mut w = window();
-    w.stale = true;
-    w.colour_by = ColourBy::Of(Quantity::SlopeU);
-    w.display = Display { max: 0.09, map: ColourMap::Magma, ..Display::default() };
-    let mut harness = harness(egui::Theme::Dark, w);
-    harness.run_steps(4);
-    pictures::compare(&mut harness, "flat/canvas_stale_dark");
+fn features_values_responses_and_what_is_stale_are_drawn() {
+    let compare = |theme: egui::Theme, name: &str, change: &dyn Fn(&mut Window)| {
+        let mut w = window();
+        change(&mut w);
+        let mut harness = harness(theme, w);
+        harness.run_steps(4);
+        pictures::compare(&mut harness, name);
+    };
+    compare(egui::Theme::Dark, "flat/canvas_features_dark", &|w| w.selected = Some(4));
+    compare(egui::Theme::Light, "flat/canvas_values_light", &|w| {
+        w.view = View::new(Zoom::PointsPerPixel(48.0), [60.2, 50.4]);
+        w.display = Display { max: 0.09, gamma: 1.4, map: ColourMap::Viridis, ..Display::default() };
+        w.colour_by = ColourBy::Of(Quantity::Sigma);
+    });
+    compare(egui::Theme::Light, "flat/canvas_response_light", &|w| {
+        let (plane, _) = blobs();
+        let signed = Plane::from_fn(160, 120, |u, v| plane.at(2 * u, 2 * v) - plane.at((2 * u + 14).min(319), 2 * v));
+        w.picture = Some(Picture::of_octave(Arc::new(signed), 1, (320, 240), "DoG response"));
+        (w.display, w.colour_by) = (Display::symmetric(0.04), ColourBy::Of(Quantity::Response));
+    });
+    compare(egui::Theme::Dark, "flat/canvas_stale_dark", &|w| {
+        (w.stale, w.colour_by) = (true, ColourBy::Of(Quantity::SlopeU));
+        w.display = Display { max: 0.09, map: ColourMap::Magma, ..Display::default() };
+    });
 }
 
 #[test]
@@ -392,28 +377,4 @@ fn thousands_of_features_draw_with_few_triangles() {
     }
     // The time of drawing grows with the triangles, of which a feature has fewer than 100.
     assert!((100_000..500_000).contains(&triangles), "{triangles} triangles");
-}
-
-#[test]
-fn a_colour_map_is_picked_from_the_list() {
-    let mut harness = harness(egui::Theme::Dark, window());
-    harness.get_by_role_and_label(egui::accesskit::Role::ComboBox, "Colour map").click();
-    harness.run();
-    for map in ColourMap::ALL.into_iter().filter(|&map| map != ColourMap::Grey) {
-        harness.get_by_label(map.name());
-    }
-    harness.get_by_label("Cividis").click();
-    harness.run();
-    assert_eq!(harness.state().display.map, ColourMap::Cividis);
-}
-
-#[test]
-fn one_pixel_of_the_image_is_one_pixel_of_a_hidpi_screen() {
-    let mut w = window();
-    w.view.set_one_to_one(2.0);
-    let builder = common::with_pictures(common::builder([900.0, 560.0])).with_pixels_per_point(2.0);
-    let mut harness = builder.build_ui_state(window_ui, w);
-    harness.run();
-    let two_pixels = harness.state().ui_from_image.unwrap().scale() * vec2(2.0, 0.0);
-    assert!((two_pixels.x - 1.0).abs() < 1e-6, "two image pixels are one point: {two_pixels:?}");
 }

@@ -1,15 +1,12 @@
 //! The window is closed while files are written: files that were begun are finished, cancelled ones leave nothing half
 //! done.
 
-use crate::lab::run_small_study;
-use crate::support::*;
+use crate::{lab::run_small_study, support::*};
 use burstscope::app::document::panes::MeasuredLine;
 use burstscope::engine::Wanted;
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
-use std::convert::Infallible;
-use std::sync::{Mutex, mpsc};
+use std::{convert::Infallible, sync::Mutex, sync::mpsc};
 
-/// All files below `folder`.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).into_iter().flatten() {
@@ -82,8 +79,7 @@ fn hold_files_until_closing(window: &Window) -> Wanted<UntilCancelled> {
 /// Begins these exports, by their actions and files in `folder`; none is written yet.
 fn begin(window: &mut Window, folder: &Path, exports: &[(&str, &str)]) {
     for (action, name) in exports {
-        window.will_choose(folder.join(name)).run_action(action);
-        window.wait("the file is chosen", |app| !app.is_asking());
+        window.will_choose(folder.join(name)).run_action(action).wait("the file is chosen", |app| !app.is_asking());
     }
     assert_eq!(files(folder), Vec::<PathBuf>::new());
 }
@@ -98,7 +94,7 @@ fn assert_written(folder: &Path, exports: &[(&str, &str)]) {
 
 #[test]
 fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let mut window = Start::without_auto_detect().open();
     window.click("Detect").settle();
     let count = window.read().features().len();
@@ -115,40 +111,40 @@ fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
         ("save parameters", "params.toml"),
         ("save session", "session.toml"),
     ];
-    begin(&mut window, folder.path(), &exports);
+    begin(&mut window, &folder, &exports);
     drop((window, closing));
-    assert_written(folder.path(), &exports);
-    let text = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    assert_written(&folder, &exports);
+    let text = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
     assert_eq!(text("f.csv").lines().count(), count + 1);
     assert_eq!(text("f.txt").lines().count(), count + 1);
-    ndarray_npy::NpzReader::new(fs::File::open(folder.path().join("f.npz")).unwrap()).unwrap();
-    assert_eq!(Burst::open(folder.path().join("p.tiff")).unwrap().size(), (480, 360));
+    ndarray_npy::NpzReader::new(fs::File::open(folder.join("f.npz")).unwrap()).unwrap();
+    assert_eq!(Burst::open(folder.join("p.tiff")).unwrap().size(), (480, 360));
     SearchParams::from_toml(&text("params.toml")).unwrap();
     burstscope::app::session::Session::from_toml(&text("session.toml")).unwrap();
 }
 
 #[test]
 fn what_was_matched_and_measured_is_whole_too() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let mut window = Start::two_bursts([1400.0, 900.0]).open();
-    let matches = window.results().pair.matches.as_ref().unwrap().result.counts.putative;
+    let matches = window.matches().result.counts.putative;
     run_small_study(&mut window);
     let closing = hold_files_until_closing(&window);
     let of_lab = [("export curves as csv", "c.csv"), ("export curves as svg", "c.svg")];
-    begin(&mut window, folder.path(), &of_lab);
+    begin(&mut window, &folder, &of_lab);
     window.ctrl(Key::Num2);
     let of_pair = [("export matches as csv", "m.csv"), ("figure as before", "m.png")];
-    begin(&mut window, folder.path(), &of_pair);
+    begin(&mut window, &folder, &of_pair);
     window.ctrl(Key::Num1);
     let pane = window.document().focus();
     let (from_image, to_image) = (pos2(100.0, 80.0), pos2(160.0, 80.0));
-    window.app_mut().model.document.measure.line = Some(MeasuredLine { pane, from_image, to_image });
+    window.set().measure.line = Some(MeasuredLine { pane, from_image, to_image });
     window.wait("there is something to measure", |app| app.read().picture().is_some());
     let of_line = [("export line profile as csv", "l.csv")];
-    begin(&mut window, folder.path(), &of_line);
+    begin(&mut window, &folder, &of_line);
     drop((window, closing));
-    assert_written(folder.path(), &[&of_lab[..], &of_pair[..], &of_line[..]].concat());
-    let lines = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap().lines().count();
+    assert_written(&folder, &[&of_lab[..], &of_pair[..], &of_line[..]].concat());
+    let lines = |name: &str| fs::read_to_string(folder.join(name)).unwrap().lines().count();
     assert_eq!(lines("m.csv"), matches + 1);
     assert!(lines("l.csv") > 60 && lines("c.csv") > 2);
 }
@@ -172,12 +168,11 @@ fn figures_that_are_being_made_are_whole_or_not_there() {
 #[cfg(feature = "colmap")]
 #[test]
 fn a_dataset_that_is_being_exported_leaves_whole_files_and_goes_on_later() {
-    use crate::datasets::{dataset, few_slopes, start, walk};
+    use crate::datasets::{dataset, few_slopes, walk_open};
     use burstscope::dataset::{BurstCameras, ColmapJob, FeatureJob, FeatureStore, ImageKind, export_colmap};
     use burstscope::matching::{MatchParams, PairSelection};
-    let home = tempfile::tempdir().unwrap();
-    let mut window = start(walk(home.path())).open();
-    let (ours, theirs) = (home.path().join("from-window"), home.path().join("from-command"));
+    let (home, mut window) = walk_open();
+    let (ours, theirs) = (home.join("from-window"), home.join("from-command"));
     let bursts = dataset(&window).bursts.clone();
     window.will_choose(&ours).run_action("export colmap database");
     window.wait("the first features are there", |_| {

@@ -2,14 +2,12 @@
 //! that its panel clips to, or a scroll bar of that panel leads to it.
 
 use crate::support::*;
-use egui::accesskit::NodeId;
-use egui::{Id, Shape, WidgetRect};
+use egui::{Id, Shape, WidgetRect, accesskit::NodeId};
 use std::collections::{HashMap, HashSet};
 
 /// Points by which a text may reach beyond its clip: rounding, and the descent of letters.
 const TOLERANCE: f32 = 1.5;
 
-/// Widget with its text or name, and where it is.
 struct Named {
     widget: WidgetRect,
     role: Role,
@@ -103,7 +101,6 @@ pub fn cut_off<State>(harness: &Harness<'_, State>) -> Vec<String> {
     told.into_iter().collect()
 }
 
-/// Whether `part` leaves out something of `whole` along x, and along y.
 fn cut(whole: Rect, part: Rect) -> (bool, bool) {
     let along =
         |whole: egui::Rangef, part: egui::Rangef| whole.min < part.min - TOLERANCE || whole.max > part.max + TOLERANCE;
@@ -115,7 +112,6 @@ fn words(rect: Rect) -> String {
     format!("x {left} … {right}, y {top} … {bottom}")
 }
 
-/// Each text that was drawn, its place, and the clip that it was drawn with.
 fn texts<State>(harness: &Harness<'_, State>) -> Vec<(String, Rect, Rect)> {
     fn add(shape: &Shape, clip: Rect, to: &mut Vec<(String, Rect, Rect)>) {
         match shape {
@@ -132,9 +128,7 @@ fn texts<State>(harness: &Harness<'_, State>) -> Vec<(String, Rect, Rect)> {
         }
     }
     let mut all = Vec::new();
-    for clipped in &harness.output().shapes {
-        add(&clipped.shape, clipped.clip_rect, &mut all);
-    }
+    harness.output().shapes.iter().for_each(|clipped| add(&clipped.shape, clipped.clip_rect, &mut all));
     all
 }
 

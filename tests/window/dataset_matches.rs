@@ -4,12 +4,11 @@ use crate::datasets::{chosen, click_burst, dataset, few_slopes, start, walk};
 use crate::support::*;
 use burstscope::dataset::{KeptBursts, MatchedPair, match_pairs};
 
-/// Window on three bursts whose features are found, in the workspace of their matches.
-fn detected(home: &Path) -> Window {
-    let mut window = start(walk(home)).open();
-    window.click("Detect all").settle();
-    window.click("Matches");
-    window
+fn detected() -> (Folder, Window) {
+    let home = folder();
+    let mut window = start(walk(&home)).open();
+    window.click("Detect all").settle().click("Matches");
+    (home, window)
 }
 
 fn expected(home: &Path, pair: (usize, usize)) -> MatchCounts {
@@ -42,42 +41,37 @@ fn walk_again(home: &Path) -> Vec<burstscope::burst::BurstFiles> {
 
 #[test]
 fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
-    let home = tempfile::tempdir().unwrap();
-    let mut window = detected(home.path());
+    let (home, mut window) = detected();
     window.click("Match pairs").settle();
     for pair in [(0, 1), (0, 2), (1, 2)] {
-        assert_eq!(dataset(&window).matches.counts.get(&pair), Some(&expected(home.path(), pair)), "{pair:?}");
+        assert_eq!(dataset(&window).matches.counts.get(&pair), Some(&expected(&home, pair)), "{pair:?}");
     }
     assert!(window.shows("3 pairs matched"));
-    // The list and the matrix select one common pair, which is A and B of the filmstrip.
     window.click_on(Role::Row, "Pair frame_002 – frame_012").steps(3);
     assert_eq!(chosen(&window), [Some(0), Some(2)]);
-    let counts = expected(home.path(), (0, 2));
+    let counts = expected(&home, (0, 2));
     assert!(window.shows(&format!("{} putative matches, {} inliers", counts.putative, counts.inliers.unwrap())));
-    let matrix = window.harness.get_by_role_and_label(Role::Image, "Match matrix").rect();
+    let matrix = window.rect(Role::Image, "Match matrix");
     // Cells are 64 points large; the first row is 72 points below the top, the first column 96 to the right.
     window.click_at(matrix.min + vec2(96.0 + 1.5 * 64.0, 72.0 + 2.5 * 64.0));
     assert_eq!(chosen(&window), [Some(1), Some(2)]);
     window.key(Key::ArrowUp);
     assert_eq!(chosen(&window), [Some(0), Some(2)], "arrow keys move through the matrix");
     window.click("Side by side").settle();
-    let model = window.model();
-    assert_eq!(model.document.workspace, Workspace::Pair);
-    assert_eq!(Read::of(model).place_of(Side::A), Some(0));
-    assert_eq!(Read::of(model).place_of(Side::B), Some(2));
-    assert_eq!(model.results.slots.b.burst.as_ref().unwrap().burst.name, "frame_012");
+    assert_eq!(window.document().workspace, Workspace::Pair);
+    assert_eq!(window.read().place_of(Side::A), Some(0));
+    assert_eq!(window.read().place_of(Side::B), Some(2));
+    assert_eq!(window.results().slots.b.burst.as_ref().unwrap().burst.name, "frame_012");
 }
 
 #[test]
 fn neighbours_alone_or_one_pair_can_be_matched() {
-    let home = tempfile::tempdir().unwrap();
-    let mut window = detected(home.path());
+    let (home, mut window) = detected();
     window.click_on(Role::RadioButton, "Each with the next").steps(2);
     window.change(|document| document.pairs.overlap = 1).click("Match pairs").settle();
     let matched =
         |window: &Window| [(0, 1), (0, 2), (1, 2)].map(|pair| dataset(window).matches.counts.contains_key(&pair));
     assert_eq!(matched(&window), [true, false, true]);
-    // With other parameters, earlier matches are dropped as soon as pairs are matched again.
     window.change(|document| document.matching.ratio = 0.7).steps(3);
     assert!(window.shows("The matching parameters changed; match again"));
     click_burst(&mut window, "Use frame_002 as A");
@@ -89,12 +83,11 @@ fn neighbours_alone_or_one_pair_can_be_matched() {
     window.click_on(Role::RadioButton, "Each with the most alike").steps(2);
     assert_eq!(window.document().pairs.selection(), PairSelection::Near(1));
     window.change(|document| document.matching = MatchParams::default()).click("Match pairs").settle();
-    let descriptors = |k: usize| kept_of(home.path(), k);
+    let descriptors = |k: usize| kept_of(&home, k);
     let near = PairSelection::Near(1).pairs_by(3, descriptors, &Monitor::default()).unwrap();
     assert!((2..=3).contains(&near.len()), "each of three bursts has one: {near:?}");
     assert_eq!(matched(&window), [(0, 1), (0, 2), (1, 2)].map(|pair| near.contains(&pair)));
-    // A burst without features is left out.
-    fs::remove_file(home.path().join("film-burstscope-5/features/frame_012.png.txt")).unwrap();
+    fs::remove_file(home.join("film-burstscope-5/features/frame_012.png.txt")).unwrap();
     window.click_on(Role::RadioButton, "All pairs").click("Match pairs").settle();
     assert!(window.shows("2 left out, whose bursts have no features yet"));
 }
@@ -110,8 +103,7 @@ fn without_a_dataset_the_room_says_how_to_open_one() {
 
 #[test]
 fn trajectory_matrix() {
-    let home = tempfile::tempdir().unwrap();
-    let mut window = detected(home.path());
+    let (_home, mut window) = detected();
     window.click("Match pairs").settle();
     window.harness.get_by_role_and_label(Role::Row, "Pair frame_002 – frame_007").click();
     let model = &mut window.app_mut().model;

@@ -22,7 +22,6 @@ pub fn film(home: &Path) -> PathBuf {
     film
 }
 
-/// The film cut into three bursts of five frames.
 pub fn walk(home: &Path) -> DatasetSource {
     DatasetSource { paths: vec![film(home)], burst_length: Some(5), burst_step: None }
 }
@@ -31,18 +30,22 @@ pub fn few_slopes() -> DetectorParams {
     DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }
 }
 
-/// Settings of a window on a dataset, with few slopes.
 pub fn start(dataset: DatasetSource) -> Start {
     let startup = Startup { source: None, dataset: Some(dataset), params: few_slopes().into(), ..Startup::default() };
     let settings = Start::without_auto_detect().startup.settings;
     Start { size: [1280.0, 800.0], startup: Startup { settings, ..startup }, ..Start::default() }
 }
 
+pub fn walk_open() -> (Folder, Window) {
+    let home = folder();
+    let window = start(walk(&home)).open();
+    (home, window)
+}
+
 pub fn dataset(window: &Window) -> &Dataset {
     window.results().datasets.open.as_ref().expect("a dataset is open")
 }
 
-/// Places of the bursts chosen as A and as B.
 pub fn chosen(window: &Window) -> [Option<usize>; 2] {
     window.document().dataset.as_ref().expect("a dataset is open").pair.both().map(|place| *place)
 }
@@ -52,14 +55,13 @@ fn features(window: &Window) -> Vec<Option<usize>> {
     dataset(window).states.iter().map(count).collect()
 }
 
-/// Clicks the widget whose label contains this text.
 pub fn click_burst(window: &mut Window, label: &str) {
     window.harness.get_by_label_contains(label).click();
-    window.harness.run_steps(2);
+    window.steps(2);
 }
 
 #[test]
-fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector() {
+fn a_folder_of_bursts_opens_as_a_filmstrip_and_a_stray_picture_in_it_is_named() {
     let (folder, nights) = folder_with("nights");
     for (name, frames) in [("first", 3), ("second", 6)] {
         fs::create_dir_all(nights.join(name)).unwrap();
@@ -81,16 +83,28 @@ fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector(
     assert!(window.app().settings.recent.is_empty(), "bursts of a dataset are not remembered one by one");
     window.click("Close dataset");
     assert!(window.results().datasets.open.is_none() && !window.shows("Burst second"));
-    // Of a folder of bursts one is chosen as B.
-    window.will_choose(folder.path().join("nights")).run_action("open b: folder");
+    window.will_choose(folder.join("nights")).run_action("open b: folder");
     window.wait("the choice", |app| app.choice().len() == 2);
     assert!(window.results().datasets.open.is_none());
+    let (home, nights) = folder_with("nights");
+    for (folder, shade) in [("nights/a", 9u8), ("nights/b", 12)] {
+        fs::create_dir_all(home.join(folder)).unwrap();
+        for t in 0..2 {
+            let frame = image::GrayImage::from_fn(40, 30, |u, v| image::Luma([shade + ((u * 7 + v * 3) % 50) as u8]));
+            frame.save(home.join(format!("{folder}/{t}.png"))).unwrap();
+        }
+    }
+    image::GrayImage::new(40, 30).save(nights.join("preview.png")).unwrap();
+    let mut window = start(DatasetSource::of_bursts(vec![nights])).open_without_waiting();
+    window.wait("the dataset is open", |app| app.model.results.datasets.open.is_some());
+    assert_eq!(dataset(&window).bursts.len(), 2);
+    assert!(window.shows("belongs to none") && window.shows("preview.png"));
 }
 
 #[test]
 fn all_bursts_are_detected_and_found_done_by_the_next_window() {
-    let home = tempfile::tempdir().unwrap();
-    let source = walk(home.path());
+    let home = folder();
+    let source = walk(&home);
     let mut window = start(source.clone()).open();
     assert!(window.shows("Burst frame_002: waiting") && window.shows("Burst frame_012: waiting"));
     assert!(window.shows("frame_002 · 5 frames"), "the burst that is open has its name in the dataset");
@@ -106,16 +120,12 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
         assert_eq!(*found, Some(expected.features.len()), "{}", burst.name);
     }
     assert!(window.shows("3 bursts, 3 done") && window.shows("3 bursts done in"));
-    assert!(home.path().join("film-burstscope-5/features/frame_007.png.txt").is_file());
-
-    // After a restart everything is there, and what was deleted is searched again.
-    fs::remove_file(home.path().join("film-burstscope-5/features/frame_007.png.txt")).unwrap();
+    assert!(home.join("film-burstscope-5/features/frame_007.png.txt").is_file());
+    fs::remove_file(home.join("film-burstscope-5/features/frame_007.png.txt")).unwrap();
     let mut next = start(source.clone()).open();
     assert_eq!(features(&next), [found[0], None, found[2]]);
     next.ctrl(Key::D).settle();
     assert_eq!(features(&next), found);
-
-    // Other parameters find nothing done, and the folder's own parameters can be taken.
     let mut other = start(source);
     other.startup.params.edge_threshold *= 1.5;
     let mut other = other.open();
@@ -123,16 +133,16 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     assert!(other.shows("The folder has features found with other parameters"));
     other.click("Use those").settle();
     assert_eq!((features(&other), &other.document().params), (found, &params.clone().into()));
-    other.app_mut().model.document.params.edge_threshold *= 2.0;
+    other.set().params.edge_threshold *= 2.0;
     other.settle();
     assert!(other.shows("The parameters changed"));
 }
 
 #[test]
 fn a_burst_that_fails_says_why_and_the_others_go_on() {
-    let home = tempfile::tempdir().unwrap();
-    let source = walk(home.path());
-    fs::write(home.path().join("film/frame_006.png"), "broken").unwrap();
+    let home = folder();
+    let source = walk(&home);
+    fs::write(home.join("film/frame_006.png"), "broken").unwrap();
     let mut window = start(source).open();
     window.click("Detect all").settle();
     assert!(window.shows("3 bursts, 2 done, 1 failed"));
@@ -170,8 +180,8 @@ fn harmful_files_of_a_dataset_lose_their_bursts_alone() {
 
 #[test]
 fn what_is_done_stays_when_it_is_cancelled() {
-    let home = tempfile::tempdir().unwrap();
-    let mut start = start(walk(home.path()));
+    let home = folder();
+    let mut start = start(walk(&home));
     start.startup.params.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17).into();
     let mut window = start.open();
     window.click("Detect all");
@@ -190,18 +200,16 @@ fn what_is_done_stays_when_it_is_cancelled() {
 
 #[test]
 fn a_long_sequence_is_cut_as_one_says() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
-    window.will_choose(film(home.path())).run_action("open dataset");
+    window.will_choose(film(&home)).run_action("open dataset");
     window.wait("the question", |app| app.model.results.datasets.work.is_none());
     assert!(window.shows("15 frames") && window.shows("1 burst, each named"));
-    window.harness.get_by_role_and_label(Role::SpinButton, "Burst length").set_value_accesskit(6.0);
-    window.harness.run_steps(2);
+    window.slide("Burst length", 6.0).steps(2);
     assert!(window.shows("2 bursts, each named after its middle frame; the last 3 frames are left out"));
     window.click("Cut").settle();
     let names: Vec<&str> = dataset(&window).bursts.iter().map(|b| b.name.as_str()).collect();
     assert_eq!((names, window.read().frame_count()), (vec!["frame_003", "frame_009"], 6));
-    // The open burst can be cut further.
     window.run_action("cut into bursts");
     assert!(window.shows("6 frames"));
     window.key(Key::Escape).settle();
@@ -209,42 +217,15 @@ fn a_long_sequence_is_cut_as_one_says() {
 }
 
 #[test]
-fn a_and_b_are_chosen_in_the_strip_or_by_action() {
-    let home = tempfile::tempdir().unwrap();
-    let mut window = start(walk(home.path())).open();
+fn a_and_b_are_chosen_in_the_strip_or_by_action_and_a_session_brings_them_back() {
+    let (_home, mut window) = walk_open();
     click_burst(&mut window, "Use frame_007 as A");
     click_burst(&mut window, "Use frame_012 as B");
     assert_eq!(chosen(&window), [Some(1), Some(2)]);
     window.run_action("use burst as b");
     assert_eq!(chosen(&window), [Some(1), Some(0)]);
-}
-
-#[test]
-fn folders_that_will_not_do_are_named() {
-    let home = tempfile::tempdir().unwrap();
-    let mut window = start(walk(home.path())).open();
-    // A folder that holds something else.
-    let own = home.path().join("own");
-    fs::create_dir(&own).unwrap();
-    fs::write(own.join("thesis.txt"), "precious").unwrap();
-    window.will_choose(&own).click("Choose feature folder…").settle();
-    assert!(window.shows("name a new or an empty folder") && window.shows("own"));
-    assert!(window.shows("Features cannot be kept here"));
-    let detect = window.harness.get_by_role_and_label(Role::Button, "Detect all");
-    assert!(NodeT::accesskit_node(&detect).is_disabled());
-    window.will_choose(home.path().join("new")).click("Choose feature folder…").settle();
-    assert!(!window.shows("Features cannot be kept here"));
-    window.click("Detect all").settle();
-    assert!(home.path().join("new/manifest.json").is_file());
-    // A dropped dataset without pictures leaves the open one unchanged.
-    window.drop_file(own).settle();
-    assert!(window.shows("holds no pictures") && dataset(&window).bursts.len() == 3);
-}
-
-#[test]
-fn a_session_brings_the_dataset_back() {
     let (home, file) = folder_with("walk.burstscope.toml");
-    let mut window = start(walk(home.path())).open();
+    let mut window = start(walk(&home)).open();
     click_burst(&mut window, "Burst frame_007");
     window.settle();
     click_burst(&mut window, "Use frame_012 as B");
@@ -254,18 +235,20 @@ fn a_session_brings_the_dataset_back() {
 }
 
 #[test]
-fn a_picture_beside_the_bursts_of_a_dataset_is_named() {
-    let (home, nights) = folder_with("nights");
-    for (folder, shade) in [("nights/a", 9u8), ("nights/b", 12)] {
-        fs::create_dir_all(home.path().join(folder)).unwrap();
-        for t in 0..2 {
-            let frame = image::GrayImage::from_fn(40, 30, |u, v| image::Luma([shade + ((u * 7 + v * 3) % 50) as u8]));
-            frame.save(home.path().join(format!("{folder}/{t}.png"))).unwrap();
-        }
-    }
-    image::GrayImage::new(40, 30).save(nights.join("preview.png")).unwrap();
-    let mut window = start(DatasetSource::of_bursts(vec![nights])).open_without_waiting();
-    window.wait("the dataset is open", |app| app.model.results.datasets.open.is_some());
-    assert_eq!(dataset(&window).bursts.len(), 2);
-    assert!(window.shows("belongs to none") && window.shows("preview.png"));
+fn folders_that_will_not_do_are_named() {
+    let (home, mut window) = walk_open();
+    let own = home.join("own");
+    fs::create_dir(&own).unwrap();
+    fs::write(own.join("thesis.txt"), "precious").unwrap();
+    window.will_choose(&own).click("Choose feature folder…").settle();
+    assert!(window.shows("name a new or an empty folder") && window.shows("own"));
+    assert!(window.shows("Features cannot be kept here"));
+    let detect = window.harness.get_by_role_and_label(Role::Button, "Detect all");
+    assert!(NodeT::accesskit_node(&detect).is_disabled());
+    window.will_choose(home.join("new")).click("Choose feature folder…").settle();
+    assert!(!window.shows("Features cannot be kept here"));
+    window.click("Detect all").settle();
+    assert!(home.join("new/manifest.json").is_file());
+    window.drop_file(own).settle();
+    assert!(window.shows("holds no pictures") && dataset(&window).bursts.len() == 3);
 }

@@ -1,9 +1,7 @@
 //! Panels by themselves, each drawn from documents that nobody would make.
 
 use crate::support::*;
-use burstscope::app::panel::*;
-use burstscope::app::results::Model;
-use burstscope::app::{dataset, workspace};
+use burstscope::app::{dataset, panel::*, results::Model, workspace};
 use egui::Ui;
 
 type Drawing = fn(&mut Ui, Read<'_>, &mut Queue);

@@ -4,7 +4,7 @@ use crate::support::*;
 use burstscope::app::actions::{ACTIONS, ActionId, Menu};
 
 #[test]
-fn the_palette_finds_an_action_and_runs_it() {
+fn the_palette_finds_and_runs_an_action_and_begins_with_what_is_mostly_wanted() {
     let mut window = Start::without_auto_detect().open();
     window.run_action("show dog").settle();
     assert_eq!(window.document().cursor().kind, ViewKind::Dog);
@@ -12,6 +12,28 @@ fn the_palette_finds_an_action_and_runs_it() {
     assert!(window.shows("Find an action"));
     window.key(Key::Escape);
     assert_eq!(window.document().cursor().kind, ViewKind::Dog);
+    window.ctrl(Key::L);
+    let before = *window.document().cursor();
+    let field = window.harness.get_by_role_and_label(Role::TextInput, "Path");
+    field.type_text("3");
+    window.steps(1).key(Key::Num3).key(Key::G);
+    assert_eq!(*window.document().cursor(), before);
+    let mut window = Start::without_auto_detect().open();
+    window.ctrl(Key::P).steps(3);
+    assert!(window.shows("Find features with") || window.shows("Detect"));
+    let field = window.harness.get_by_role_and_label(Role::TextInput, "Find an action");
+    field.type_text("keyb");
+    window.steps(3);
+    for _ in 0..4 {
+        window.key(Key::Backspace);
+    }
+    window.steps(3);
+    // As many rows as before are visible again.
+    let is_seen = |label: &str| window.harness.query_all_by_label_contains(label).next().is_some();
+    let seen = ACTIONS.iter().filter(|action| is_seen(action.label)).count();
+    assert!(seen > 8, "{seen} rows");
+    window.key(Key::Enter).settle();
+    assert!(window.results().slots.a.found.is_some(), "with nothing typed Enter detects");
 }
 
 #[test]
@@ -37,38 +59,31 @@ fn the_question_mark_shows_every_action_that_has_keys_without_scrolling() {
 }
 
 #[test]
-fn keys_typed_into_a_field_do_not_run_actions() {
-    let mut window = Start::without_auto_detect().open();
-    window.ctrl(Key::L);
-    let before = *window.document().cursor();
-    let field = window.harness.get_by_role_and_label(Role::TextInput, "Path");
-    field.type_text("3");
-    window.steps(1).key(Key::Num3).key(Key::G);
-    assert_eq!(*window.document().cursor(), before);
-}
-
-#[test]
-fn light_and_dark_are_actions() {
+fn themes_and_panels_are_actions_and_a_slow_click_is_a_click() {
     let mut window = Start::without_auto_detect().open();
     assert!(window.harness.ctx.global_style().visuals.dark_mode);
     window.run_action("light theme").settle();
     assert!(!window.harness.ctx.global_style().visuals.dark_mode);
     window.run_action("dark theme").settle();
     assert!(window.harness.ctx.global_style().visuals.dark_mode);
-}
-
-#[test]
-fn panels_can_be_hidden_and_shown() {
-    let mut window = Start::without_auto_detect().open();
     assert!(window.shows("Noise gate"));
     window.ctrl(Key::B);
     assert!(!window.shows("Noise gate"));
     window.ctrl(Key::B);
     assert!(window.shows("Noise gate"));
+    let button = window.rect(Role::Button, "▶ Play").center();
+    window.harness.drag_at(button);
+    let pressed = window.harness.ctx.input(|i| i.time);
+    while window.harness.ctx.input(|i| i.time) < pressed + 1.5 {
+        window.harness.step();
+    }
+    window.harness.drop_at(button);
+    window.steps(2);
+    assert!(window.document().playing);
 }
 
 #[test]
-fn escape_closes_a_drop_down_and_nothing_else() {
+fn escape_closes_a_drop_down_alone_and_the_tip_of_a_feature_goes_when_a_dialog_comes() {
     let mut window = Start::default().open();
     window.key(Key::Home);
     assert_eq!(window.document().selected, Some(0));
@@ -79,47 +94,6 @@ fn escape_closes_a_drop_down_and_nothing_else() {
     assert_eq!(window.document().selected, Some(0));
     window.key(Key::Escape);
     assert_eq!(window.document().selected, None);
-}
-
-#[test]
-fn a_slow_click_is_a_click() {
-    let mut window = Start::without_auto_detect().open();
-    let button = window.harness.get_by_role_and_label(Role::Button, "▶ Play").rect().center();
-    window.harness.drag_at(button);
-    let pressed = window.harness.ctx.input(|i| i.time);
-    while window.harness.ctx.input(|i| i.time) < pressed + 1.5 {
-        window.harness.step();
-    }
-    window.harness.drop_at(button);
-    window.harness.run_steps(2);
-    assert!(window.document().playing);
-}
-
-#[test]
-fn the_palette_is_as_high_as_its_list_and_begins_with_what_is_mostly_wanted() {
-    let mut window = Start::without_auto_detect().open();
-    window.ctrl(Key::P).steps(3);
-    let row =
-        |window: &Window, label: &str| window.harness.query_all_by_label_contains(label).map(|node| node.rect()).next();
-    let first = row(&window, "Find features with").or_else(|| row(&window, "Detect"));
-    assert!(first.is_some());
-    let field = window.harness.get_by_role_and_label(Role::TextInput, "Find an action");
-    field.type_text("keyb");
-    window.harness.run_steps(3);
-    for _ in 0..4 {
-        window.key(Key::Backspace);
-    }
-    window.harness.run_steps(3);
-    // As many rows as before are visible again.
-    let seen = ACTIONS.iter().filter(|a| row(&window, a.label).is_some()).count();
-    assert!(seen > 8, "{seen} rows");
-    window.key(Key::Enter).settle();
-    assert!(window.results().slots.a.found.is_some(), "with nothing typed Enter detects");
-}
-
-#[test]
-fn the_tip_of_a_feature_goes_when_a_dialog_comes() {
-    let mut window = Start::default().open();
     window.change(|document| document.look.overlay = FeaturesShown::All).settle();
     let feature = window.read().features()[0];
     let place = window.ui_from_image(pos2(feature.u, feature.v)).expect("drawn");
@@ -139,7 +113,7 @@ fn scroll_to_end(window: &mut Window, inside: Pos2) {
         let (unit, modifiers, phase) = (egui::MouseWheelUnit::Point, Modifiers::NONE, egui::TouchPhase::Move);
         let source = egui::MouseWheelSource::Wheel;
         window.harness.event(egui::Event::MouseWheel { unit, delta, modifiers, phase, source });
-        window.harness.run_steps(4);
+        window.steps(4);
     }
 }
 
@@ -163,8 +137,7 @@ fn the_last_entry_of_every_menu_can_be_reached_at_every_size() {
                 at = rect(&window, entry);
             }
             let entry = menu.label();
-            let screen = window.harness.ctx.content_rect();
-            assert!(screen.contains_rect(at), "{size:?} {menu:?}: {entry} at {at:?}");
+            assert!(window.harness.ctx.content_rect().contains_rect(at), "{size:?} {menu:?}: {entry} at {at:?}");
             window.key(Key::Escape).steps(3);
         }
     }
@@ -173,7 +146,7 @@ fn the_last_entry_of_every_menu_can_be_reached_at_every_size() {
 #[test]
 fn menus_of_what_is_not_there_are_not_shown_and_groups_of_many_entries_are_folded() {
     let mut window = Start::without_auto_detect().open();
-    let has = |window: &Window, label: &str| window.harness.query_by_role_and_label(Role::Button, label).is_some();
+    let has = |window: &Window, label: &str| window.has(Role::Button, label);
     assert!(!has(&window, "Pair") && !has(&window, "Dataset") && has(&window, "Help"));
     window.click("View").steps(3);
     assert!(window.shows("Fit picture") && !window.shows("Show DoG"));

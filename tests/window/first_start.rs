@@ -4,34 +4,26 @@ use crate::support::*;
 
 /// Rectangle of the picture itself, without its header.
 fn picture(window: &Window) -> Rect {
-    window.harness.get_by_role_and_label(Role::Canvas, "Picture").rect()
+    window.rect(Role::Canvas, "Picture")
 }
 
-/// Share of the window that is picture.
 fn share(window: &Window) -> f32 {
     picture(window).area() / window.harness.ctx.content_rect().area()
 }
 
-/// Opens the window for the first time at `size` points; at least `least` of it must be picture.
-fn first_start_shows(size: [f32; 2], least: f32, name: &str) {
-    let mut window = Start::first(size).open();
-    assert!(share(&window) >= least, "{size:?}: {}", share(&window));
-    window.snapshot(name);
-}
-
 #[test]
 fn most_of_the_window_is_picture_at_the_first_start() {
-    first_start_shows([1280.0, 800.0], 0.60, "first_start");
-}
-
-#[test]
-fn the_first_start_has_no_more_controls_than_are_counted_here() {
-    let window = Start::first([1280.0, 800.0]).open();
-    let roles =
-        [Role::Button, Role::CheckBox, Role::Slider, Role::SpinButton, Role::ComboBox, Role::DisclosureTriangle];
-    let count: usize = roles.iter().map(|role| window.harness.query_all_by_role(*role).count()).sum();
-    // The bound only falls.
-    assert!(count <= 30, "{count} controls");
+    // A small window is nearly all picture, and a narrow one has its menus beside the workspaces.
+    for (size, least, name) in [
+        ([1280.0, 800.0], 0.60, "first_start"),
+        ([960.0, 640.0], 0.75, "first_start_960"),
+        ([720.0, 900.0], 0.75, "first_start_720"),
+    ] {
+        let mut window = Start::first(size).open();
+        assert!(share(&window) >= least, "{size:?}: {}", share(&window));
+        window.snapshot(name);
+    }
+    Start { pixels_per_point: 2.0, ..Start::first([960.0, 640.0]) }.open().snapshot("first_start_hidpi");
 }
 
 /// Texts in the window of more than three words, without the name of the picture.
@@ -41,13 +33,15 @@ fn sentences(window: &Window) -> Vec<String> {
 }
 
 #[test]
-fn the_first_start_has_no_more_to_read_than_is_counted_here() {
+fn the_first_start_has_no_more_controls_and_sentences_than_are_counted_here() {
     let window = Start::first([1280.0, 800.0]).open();
+    let roles =
+        [Role::Button, Role::CheckBox, Role::Slider, Role::SpinButton, Role::ComboBox, Role::DisclosureTriangle];
+    let count: usize = roles.iter().map(|role| window.harness.query_all_by_role(*role).count()).sum();
     let told = sentences(&window);
-    // The bound only falls.
-    assert!(told.len() <= 5, "{} sentences: {told:#?}", told.len());
-    let of_slopes = told.iter().filter(|text| text.contains("slopes")).count();
-    assert_eq!(of_slopes, 1, "{told:#?}");
+    // The bounds only fall.
+    assert!(count <= 30 && told.len() <= 5, "{count} controls; {} sentences: {told:#?}", told.len());
+    assert_eq!(told.iter().filter(|text| text.contains("slopes")).count(), 1, "{told:#?}");
 }
 
 /// Parts of the sentences about slopes, without what tells their beginning and end.
@@ -94,22 +88,7 @@ fn a_cursor_that_leaves_the_slope_on_show_says_why_and_the_first_one_does_not() 
 }
 
 #[test]
-fn a_smaller_window_is_nearly_all_picture() {
-    first_start_shows([960.0, 640.0], 0.75, "first_start_960");
-}
-
-#[test]
-fn a_narrow_window_has_its_menus_beside_the_workspaces() {
-    first_start_shows([720.0, 900.0], 0.75, "first_start_720");
-}
-
-#[test]
-fn the_first_start_is_drawn_on_a_fine_screen() {
-    Start { pixels_per_point: 2.0, ..Start::first([960.0, 640.0]) }.open().snapshot("first_start_hidpi");
-}
-
-#[test]
-fn the_card_is_dismissed_for_good() {
+fn the_card_is_dismissed_for_good_or_starts_the_first_lesson() {
     let mut window = Start::first([1280.0, 800.0]).open();
     assert!(window.shows("Drag in the slope plane"));
     let before = picture(&window);
@@ -119,10 +98,6 @@ fn the_card_is_dismissed_for_good() {
     let mut memory = Memory::default();
     eframe::App::save(window.app_mut(), &mut memory);
     assert!(!Settings::load(&memory).panels.welcome);
-}
-
-#[test]
-fn the_card_starts_the_first_lesson() {
     let mut window = Start::first([1280.0, 800.0]).open();
     window.click("Three-minute lesson").settle();
     assert!(window.app().lessons.open.is_some());
@@ -130,14 +105,13 @@ fn the_card_starts_the_first_lesson() {
 }
 
 #[test]
-fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
+fn the_right_panel_comes_with_a_selection_or_a_question_and_the_picture_stays() {
     let mut window = Start::first([1280.0, 800.0]).open();
     window.click("Explore");
-    let model = window.model();
-    let slope = model.document.cursor().slope;
+    let slope = window.document().cursor().slope;
     let moves = |f: &burstscope::Feature| (f.motion().0.u - slope.u).hypot(f.motion().0.v - slope.v) < 0.1;
     let is_here = |f: &&burstscope::Feature| moves(f) && (100.0..300.0).contains(&f.u);
-    let feature = *Read::of(model).features().iter().find(is_here).expect("a feature of this slope");
+    let feature = *window.read().features().iter().find(is_here).expect("a feature of this slope");
     let place = pos2(feature.u, feature.v);
     let before = window.ui_from_image(place).expect("drawn");
     window.click_at(before).settle();
@@ -147,36 +121,24 @@ fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
     window.snapshot("first_selection").run_action("Clear selection").settle();
     assert!(!window.read().shows_right());
     assert!(window.document().panes.of(Side::A).view.is_fit(), "as before");
+    let rect = picture(&window);
+    window.shift_click_at(rect.min + 0.37 * rect.size()).settle();
+    assert!(window.read().shows_right() && window.document().probe.is_open);
+    window.snapshot("first_probe");
 }
 
 #[test]
-fn tabs_open_and_close_the_panel_below() {
+fn tabs_open_the_panel_below_and_advanced_parameters_are_folded_and_say_that_one_is_changed() {
     let mut window = Start::first([1280.0, 800.0]).open();
     window.click("Explore");
     let whole = picture(&window).height();
     window.harness.get_by_label_contains("Tally · Noise").click();
-    window.harness.run_steps(3);
+    window.steps(3);
     assert!(picture(&window).height() < whole - 80.0);
     window.click("Tally").click("Table");
     assert!(window.read().shows_bottom());
     window.click("Table");
     assert_eq!(picture(&window).height(), whole);
-}
-
-#[test]
-fn a_narrow_window_folds_the_left_panel_into_a_strip() {
-    let mut window = Start::first([900.0, 640.0]).open();
-    window.click("Explore");
-    assert!(window.harness.query_by_role_and_label(Role::SpinButton, "Slope u").is_none());
-    window.click("Unfold Cursor and parameters");
-    assert!(window.harness.query_by_role_and_label(Role::SpinButton, "Slope u").is_some());
-    window.run_action("Cursor and parameters");
-    assert!(window.harness.query_by_role_and_label(Role::SpinButton, "Slope u").is_none());
-}
-
-#[test]
-fn advanced_parameters_are_folded_and_say_that_one_is_changed() {
-    let mut window = Start::first([1280.0, 800.0]).open();
     assert!(!window.shows("Edge threshold"));
     window.change(|document| document.params.edge_threshold = 15.0).steps(2);
     assert!(window.shows("1 not the default"));
@@ -189,13 +151,14 @@ fn advanced_parameters_are_folded_and_say_that_one_is_changed() {
 }
 
 #[test]
-fn a_question_opens_the_probe_beside_the_picture() {
-    let mut window = Start::first([1280.0, 800.0]).open();
+fn a_narrow_window_folds_the_left_panel_into_a_strip() {
+    let mut window = Start::first([900.0, 640.0]).open();
     window.click("Explore");
-    let rect = picture(&window);
-    window.shift_click_at(rect.min + 0.37 * rect.size()).settle();
-    assert!(window.read().shows_right() && window.document().probe.is_open);
-    window.snapshot("first_probe");
+    assert!(!window.has(Role::SpinButton, "Slope u"));
+    window.click("Unfold Cursor and parameters");
+    assert!(window.has(Role::SpinButton, "Slope u"));
+    window.run_action("Cursor and parameters");
+    assert!(!window.has(Role::SpinButton, "Slope u"));
 }
 
 #[test]
@@ -218,8 +181,7 @@ fn smoothing_changes_what_is_shown_and_not_the_values() {
     assert!(spread(&smooth) < 0.8 * spread(&values));
     let narrower = window.document().look.ranges.intensity;
     assert!(narrower.max - narrower.min < range.max - range.min, "the range follows");
-    let middle = picture(&window).center();
-    window.hover(middle).steps(3);
+    window.hover(picture(&window).center()).steps(3);
     assert!(window.shows("display smoothed, σ 2 px"));
     window.snapshot("smoothed_display").slide("Smoothing", 0.0).settle();
     assert!(Arc::ptr_eq(&planes(&window).0, &planes(&window).1));

@@ -2,8 +2,7 @@
 //! only when the panel does.
 
 use crate::support::*;
-use burstscope::burst::Positions;
-use burstscope::detector::noise_model::NoiseModel;
+use burstscope::{burst::Positions, detector::noise_model::NoiseModel};
 
 const SIZE: (usize, usize) = (480, 360);
 const FRAMES: usize = 9;
@@ -12,7 +11,6 @@ const FRAMES: usize = 9;
 const DISCS: [[f32; 4]; 4] =
     [[120.0, 100.0, 12.0, -2.0], [310.0, 130.0, 24.0, 1.0], [190.0, 260.0, 36.0, 0.0], [400.0, 270.0, 8.0, 2.0]];
 
-/// Burst of the discs on an even ground.
 fn discs() -> OpenBurst {
     let frame = |t: usize| {
         Plane::from_fn(SIZE.0, SIZE.1, |x, y| {
@@ -28,12 +26,10 @@ fn discs() -> OpenBurst {
     OpenBurst::new(burst, BurstSource::Paths(vec!["discs".into()]))
 }
 
-/// Window of `size` points on the discs, with all panels open and no features.
 pub fn open(size: [f32; 2]) -> Window {
     open_with(Start { size, ..Start::default() })
 }
 
-/// Window on the discs that otherwise begins as `start`.
 pub fn open_with(start: Start) -> Window {
     let settings = Settings { auto_detect: false, ..start.startup.settings };
     let startup = Startup { source: None, settings, ..start.startup };
@@ -43,7 +39,6 @@ pub fn open_with(start: Start) -> Window {
     window
 }
 
-/// Start of a window of `size` points on the given slopes.
 pub fn at_slopes(size: [f32; 2], slopes: SlopeGrid) -> Start {
     let mut startup = given();
     startup.params.slopes = slopes.into();

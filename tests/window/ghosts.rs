@@ -1,10 +1,8 @@
 //! Ghosts, aliases and duplicates: the verdict on each feature in table, filter and panel, and the prices of changes.
 
-use crate::probe::answer;
-use crate::support::*;
+use crate::{probe::answer, support::*};
 use burstscope::inspect::result::{DecoyReport, DecoyStudy, decoys};
 
-/// The demo with its table.
 fn with_table() -> Window {
     let mut window = Start { size: [1400.0, 900.0], ..Start::default() }.open();
     let model = &mut window.app_mut().model;
@@ -25,17 +23,14 @@ fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it(
     assert_eq!(window.document().order, Order { column: Quantity::Coherence, descending: false });
     let coherence = |index: &usize| judged[*index].coherence.unwrap_or(f32::INFINITY);
     assert!(window.results().listed.iter().map(coherence).is_sorted());
-    // Only ghosts.
     window.harness.query_all_by_label_contains("Filter").next().expect("the filter").click();
-    window.harness.run_steps(3);
+    window.steps(3);
     // The second is a way to move.
     window.harness.query_all_by_label("ghost").next().expect("a verdict").click();
     window.settle();
-    let model = window.model();
-    assert_eq!(model.document.filter.verdict, Some(Verdict::Ghost));
-    assert_eq!(model.results.listed.len(), count(Verdict::Ghost));
-    assert!(model.results.listed.iter().all(|&index| judged[index].verdict == Verdict::Ghost));
-    // The selected one says why, and so does its tip.
+    assert_eq!(window.document().filter.verdict, Some(Verdict::Ghost));
+    assert_eq!(window.results().listed.len(), count(Verdict::Ghost));
+    assert!(window.results().listed.iter().all(|&index| judged[index].verdict == Verdict::Ghost));
     window.key(Key::Escape);
     let ghost = window.results().listed[0];
     window.change(|document| document.selected = Some(ghost)).settle();
@@ -70,7 +65,7 @@ fn apply_says_its_price_before_it_is_pressed() {
 }
 
 #[test]
-fn the_probe_of_a_ghost_tells_what_crosses_its_path() {
+fn the_probe_of_a_ghost_tells_what_crosses_its_path_and_why_decoys_cannot_tell() {
     let mut window = with_table();
     let judged = window.read().judged().expect("computed").clone();
     let ghost = judged.iter().position(|judged| judged.verdict == Verdict::Ghost).expect("one");
@@ -79,6 +74,10 @@ fn the_probe_of_a_ghost_tells_what_crosses_its_path() {
     assert!(window.shows("A ghost?") && window.shows("crosses its path"));
     assert_eq!(answer(&window).probe.judged.as_ref(), Some(&judged[ghost]));
     window.snapshot("probe_ghost");
+    window.change(|document| document.params.frames = Some(FrameRange { start: 0, end: 3 })).settle();
+    window.run_action("Only real ones").settle();
+    assert!(window.shows("Noise unknown: ") && window.shows("4 or more"));
+    assert!(window.errors().is_empty(), "nobody pressed a button");
 }
 
 #[test]
@@ -90,9 +89,8 @@ fn the_number_of_listed_features_that_noise_explains_follows_the_filter() {
     let real = known(&window).expect("asked for by the filter");
     assert!(window.shows(" expected of noise"), "{}", real.expected_words());
     assert_eq!(real.rates[0].found, window.results().listed.len());
-    // Without a filter it is the number of the command.
     window.run_action("Only real ones").settle();
-    let burst = &window.results().slots.a.burst.as_ref().unwrap().burst;
+    let burst = &window.opened().burst;
     let cache = ProbeCache::new(burst, &window.read().asked(), &Monitor::default()).unwrap();
     let report = decoys(&cache.trail, &DecoyStudy::default(), false, &Monitor::default()).unwrap().report;
     let all = known(&window).expect("found once for the detection");
@@ -106,18 +104,9 @@ fn the_number_of_listed_features_that_noise_explains_follows_the_filter() {
     let listed = known(&window).expect("no search is needed");
     assert_eq!((listed.rates[0].found, &listed.rates[0].in_copies), (at_8.found, &at_8.in_copies));
     // Other features, whose decoys nobody asked for.
-    window.app_mut().model.document.params.levels += 1;
+    window.set().params.levels += 1;
     window.settle();
     assert!(known(&window).is_none() && window.shows("Expected of noise…"));
     window.click("Expected of noise…").settle();
     assert!(known(&window).is_some());
-}
-
-#[test]
-fn where_decoys_cannot_tell_what_noise_explains_the_reason_stands_in_place_of_the_number() {
-    let mut window = with_table();
-    window.change(|document| document.params.frames = Some(FrameRange { start: 0, end: 3 })).settle();
-    window.run_action("Only real ones").settle();
-    assert!(window.shows("Noise unknown: ") && window.shows("4 or more"));
-    assert!(window.model().shell.messages.errors.is_empty(), "nobody pressed a button");
 }

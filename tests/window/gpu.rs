@@ -6,8 +6,7 @@ use burstscope::app::gpu::{AdapterChoice, DeviceLimits, Gpu, PictureRenderer};
 use burstscope::app::offscreen::Offscreen;
 use burstscope::error::Error;
 use burstscope::plane::display::{ColourMap, Display, NAN_COLOUR};
-use std::io::{Read, Write};
-use std::process::Stdio;
+use std::{io::Read, io::Write, process::Stdio};
 
 /// Tolerance of a colour: the card may round differently once on the way to 8 bits and once in the gamma.
 const TOLERANCE: i32 = 2;
@@ -114,8 +113,7 @@ fn small_pictures_are_averaged_not_thinned_out() {
     let plane = Plane::from_fn(256, 192, |u, v| if u % 8 == 3 && v % 8 == 5 { 1.0 } else { 0.0 });
     let picture = Picture::new(Arc::new(plane), "dots");
     for factor in [2usize, 4, 8] {
-        let size = vec2(256.0, 192.0) / factor as f32;
-        let mut window = offscreen(size, 1.0);
+        let mut window = offscreen(vec2(256.0, 192.0) / factor as f32, 1.0);
         let mut view = one_to_one(&picture, 1.0);
         view.zoom = Zoom::PointsPerPixel(1.0 / factor as f32);
         let display = Display { max: 1.0 / 8.0, ..Display::default() };
@@ -167,7 +165,6 @@ fn pictures_beyond_one_texture_are_tiled_without_a_seam() {
         state.renderer.write().callback_resources.insert(small);
     }
     let plane = Plane::from_fn(400, 300, |u, v| ((u * 3 + v * 2) % 256) as f32 / 255.0);
-    // At least twelve tiles.
     let picture = Picture::new(Arc::new(plane), "large");
     let display = Display::default();
     for centre in [(128usize, 128usize), (200, 150), (350, 260)] {

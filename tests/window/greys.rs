@@ -5,11 +5,8 @@
 
 use crate::support::*;
 
-/// Columns and rows of cells.
 const CELLS: [u32; 2] = [16, 10];
-/// Number of steps from black to white.
 const STEPS: u32 = 16;
-/// Number of classes of the histogram.
 const CLASSES: usize = 8;
 
 /// Largest sum of the cells' differences, steps. Three changes of the detector, each of which found other features at
@@ -17,12 +14,9 @@ const CLASSES: usize = 8;
 /// black or empty picture in their place is always told, one that is moved by a tenth of its width 96 times in 100, one
 /// that is darker by a tenth 98 times.
 const MAX_STEPS: u32 = 56;
-/// Largest number of cells that differ by two steps or more.
 const MAX_CELLS: usize = 10;
-/// Largest sum of the classes' differences, percent.
 const MAX_PERCENT: u32 = 10;
 
-/// Mean grey of each cell, and the shares of the greys.
 #[derive(Debug, PartialEq)]
 pub struct Greys {
     /// Mean grey of each cell, row by row; steps.
@@ -107,7 +101,6 @@ impl Greys {
 mod tests {
     use super::*;
     use image::Rgba;
-
     const AREA: Rect = Rect { min: pos2(20.0, 10.0), max: pos2(340.0, 250.0) };
 
     /// A window with a pane of blobs on an uneven ground: `light` of its brightness, `shift` pixels to the right, with
@@ -166,8 +159,7 @@ mod tests {
         for line in
             ["", "8 3 24 20 Button \"File\"", &line[..line.len() - 3], &line.replace("Grey \"Picture A, pane 1\" ", "")]
         {
-            let read = Greys::read(line);
-            assert!(read.is_none_or(|(before, _)| !before.contains("Grey")), "{line}");
+            assert!(Greys::read(line).is_none_or(|(before, _)| !before.contains("Grey")), "{line}");
         }
     }
 

@@ -2,8 +2,7 @@
 
 use crate::support::*;
 use burstscope::app::gpu::{self, AdapterChoice};
-use egui_kittest::HarnessBuilder;
-use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state};
+use egui_kittest::{HarnessBuilder, wgpu::WgpuTestRenderer, wgpu::create_render_state};
 
 /// Setup of the program's own device, on a software adapter where there is one: pictures are equal on every machine.
 pub fn wgpu_setup() -> egui_wgpu::WgpuSetup {

@@ -1,15 +1,11 @@
 //! The Help menu: its two failure cases, each with the probe on the place that shows it; the glossary, opened from the
 //! menu, from a caption, from a parameter's tooltip, and searched; the figures of the paper.
 
-use crate::flat;
-use crate::probe::answer;
-use crate::steps_back::copied;
-use crate::support::*;
+use crate::{flat, probe::answer, steps_back::copied, support::*};
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
 use burstscope::inspect::place::SuspicionKind;
 use burstscope::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD};
 
-/// Window with an example of the Help menu: slopes are found unless the example has its own.
 fn example(example: Example) -> Window {
     let mut start = Start { size: [1280.0, 800.0], ..Start::automatic() };
     start.startup.source = Some(BurstSource::Example(example));
@@ -19,8 +15,7 @@ fn example(example: Example) -> Window {
 #[test]
 fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     let mut window = example(Example::LowContrast);
-    let place = Example::LowContrast.place();
-    assert_eq!(answer(&window).probe.pos_image, place);
+    assert_eq!(answer(&window).probe.pos_image, Example::LowContrast.place());
     assert!(!window.document().params.slopes.is_auto());
     assert!(window.shows("Nothing was kept here") && window.shows("Below the noise gate"), "it is said at once");
     let first = answer(&window).probe.subject_fate().expect("a candidate").remedy.clone().expect("a remedy");
@@ -49,7 +44,7 @@ fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     assert_ne!(fate.first_failed, Some(Test::NoiseGate));
     window.ctrl(Key::Z).settle();
     assert_eq!(window.document().params, before);
-    assert_eq!(window.results().slots.a.found.as_ref().unwrap().params.noise_gate, before.noise_gate);
+    assert_eq!(window.found().params.noise_gate, before.noise_gate);
     // Another burst is searched at slopes that are found in it.
     window.run_action("open demo burst").settle();
     assert!(window.document().params.slopes.is_auto() && window.read().probed_place().is_none());
@@ -83,42 +78,32 @@ fn the_garlands_open_on_an_alias_with_its_evidence() {
 }
 
 #[test]
-fn the_glossary_is_opened_and_searched() {
+fn the_glossary_is_opened_searched_and_led_to_by_links_of_captions_and_tooltips() {
     let mut window = flat::open([1280.0, 800.0]);
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::F1);
-    window.harness.run_steps(3);
+    window.steps(3);
     assert!(window.shows("Alias"), "all words");
-    window.harness.get_by_role_and_label(Role::TextInput, "Search the glossary").type_text("noise gate");
-    window.harness.run_steps(3);
+    window.type_into("Search the glossary", "noise gate").steps(3);
     assert!(window.shows("Noise gate") && !window.shows("Alias"));
     window.snapshot("flat/glossary");
     window.harness.key_press(Key::Escape);
-    window.harness.run_steps(3);
+    window.steps(3);
     let field = window.harness.query_by_role_and_label(Role::TextInput, "Search the glossary");
     assert!(field.is_none(), "Escape closes the window from its search field");
-}
-
-#[test]
-fn a_link_of_a_caption_leads_to_its_word() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::nothing_open() }.open();
     window.app_mut().start_lesson(built_in()[0].clone());
-    window.settle();
-    window.click_on(Role::Link, "burst").steps(4);
+    window.settle().click_on(Role::Link, "burst").steps(4);
     assert!(window.shows("Search the glossary") && window.shows("A few frames taken right after one another"));
     assert!(window.app().lessons.open.is_some(), "the lesson stays");
+    let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
+    follow_the_tooltip(&mut window, Role::Label, "Noise gate", "Noise gate");
+    assert!(window.shows("Min |response| in standard deviations of the noise in D"));
 }
 
 /// Hovers over a widget until its tooltip appears, and follows the link in it.
 fn follow_the_tooltip(window: &mut Window, role: Role, label: &str, word: &str) {
     let rect = window.harness.get_all_by_role_and_label(role, label).next().expect("its row").rect();
     window.hover(rect.center()).steps(40).click_on(Role::Link, &format!("Glossary: {word}")).steps(4);
-}
-
-#[test]
-fn a_parameters_tooltip_leads_to_its_word() {
-    let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
-    follow_the_tooltip(&mut window, Role::Label, "Noise gate", "Noise gate");
-    assert!(window.shows("Min |response| in standard deviations of the noise in D"));
 }
 
 #[test]
@@ -156,16 +141,15 @@ fn figures_of_the_paper_are_made_in_the_background_and_can_be_cancelled() {
     };
     window.wait("they are cancelled", said("cancelled"));
     assert!(!window.results().figures.is_pending() && !out.join("index.html").exists());
-    // One figure, with little material: the path to it is shown.
     let job = FiguresJob { out: out.clone(), only: vec![PaperFigure::Fig9], size: FigureSize::Quick, colmap: None };
     let app = window.app_mut();
     app.model.results.figures.ask(&app.engine, job);
     window.wait("it is there", said("index.html"));
-    assert!(out.join("fig9.svg").is_file() && window.model().shell.messages.errors.is_empty());
+    assert!(out.join("fig9.svg").is_file() && window.errors().is_empty());
 }
 
 #[test]
-fn about_lists_the_software_of_others_and_copies_its_licences() {
+fn about_lists_the_software_of_others_and_copies_its_licences_and_how_to_cite_is_copied_and_says_so() {
     let notices = include_str!("../../assets/THIRD-PARTY.txt");
     let packages = notices.lines().filter(|line| line.matches(" | ").count() == 3).count() - 1;
     let mut window = Start::nothing_open().open();
@@ -177,10 +161,6 @@ fn about_lists_the_software_of_others_and_copies_its_licences() {
     assert!(window.shows("accesskit ") && window.shows("MIT OR Apache-2.0") && !window.shows("zvariant "));
     let button = |window: &mut Window| window.harness.get_by_role_and_label(Role::Button, "Copy licences").click();
     assert_eq!(copied(&mut window, button), [notices]);
-}
-
-#[test]
-fn how_to_cite_is_copied_and_says_so() {
     let mut window = Start::nothing_open().open();
     window.run_action("how to cite");
     assert!(window.shows("Copied the program and the paper as BibTeX"));

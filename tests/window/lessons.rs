@@ -1,8 +1,7 @@
 //! Lessons: every step of each, played by its own data.
 
 use crate::support::*;
-use burstscope::app::parts;
-use burstscope::teach::Part;
+use burstscope::{app::parts, teach::Part};
 
 /// A test of each lesson, and the steps that their pictures show, from 1.
 macro_rules! lessons {
@@ -30,7 +29,6 @@ lessons! {
     from_light_fields_to_bursts_is_played: "from-light-fields-to-bursts", 3;
 }
 
-/// A small screen and that of a projector.
 pub const SIZES: [[f32; 2]; 2] = [[1280.0, 800.0], [1024.0, 700.0]];
 
 pub fn nothing_open() -> Window {
@@ -43,10 +41,9 @@ pub fn lesson(name: &str) -> Arc<Lesson> {
 
 fn key(window: &mut Window, modifiers: Modifiers, key: Key) {
     window.harness.key_press_modifiers(modifiers, key);
-    window.harness.run_steps(2);
+    window.steps(2);
 }
 
-/// Fulfils the goal as a user would.
 fn fulfil(window: &mut Window, goal: &Goal) {
     let Goal { slope_u, slope_v, show, layout, frame, octave, level, frames_used, .. } = goal.clone();
     if let Some(layout) = layout {
@@ -111,9 +108,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
     if let Some(near) = goal.probe {
         probe(window, near);
     }
-    for (name, wanted) in &goal.params {
-        set_parameter(window, name.as_str(), wanted);
-    }
+    goal.params.iter().for_each(|(name, wanted)| set_parameter(window, name.as_str(), wanted));
     if let Some(Between { min, max }) = goal.searches_u {
         let axis = fields(window, "Slopes u");
         set(window, axis[0], f64::from(min));
@@ -147,11 +142,9 @@ fn fulfil(window: &mut Window, goal: &Goal) {
 fn probe(window: &mut Window, near: Near) {
     // Shown features would be probed instead of the places beside them.
     let [u, v] = near.place;
-    let pos = window.ui_from_image(pos2(u, v)).expect("drawn");
-    window.shift_click_at(pos);
+    window.shift_click_at(window.ui_from_image(pos2(u, v)).expect("drawn"));
 }
 
-/// Number fields of a parameter, in the order of their places.
 fn fields(window: &Window, label: &str) -> Vec<egui::accesskit::NodeId> {
     let nodes = window.harness.query_all_by_role_and_label(Role::SpinButton, label);
     nodes.map(|node| node.accesskit_node().locate().0).collect()
@@ -160,7 +153,7 @@ fn fields(window: &Window, label: &str) -> Vec<egui::accesskit::NodeId> {
 fn set(window: &mut Window, field: egui::accesskit::NodeId, value: f64) {
     let by_id = egui_kittest::kittest::by().predicate(move |node| node.locate().0 == field);
     window.harness.get(by_id).set_value_accesskit(value);
-    window.harness.run_steps(2);
+    window.steps(2);
 }
 
 fn set_parameter(window: &mut Window, name: &str, wanted: &GoalValue) {
@@ -175,12 +168,10 @@ fn set_parameter(window: &mut Window, name: &str, wanted: &GoalValue) {
             if name == "noise_gate" && fields(window, doc.label).is_empty() {
                 choose(window, doc.label, "Factor");
             }
-            let field = fields(window, doc.label)[0];
-            set(window, field, f64::from(between.middle()));
+            set(window, fields(window, doc.label)[0], f64::from(between.middle()));
         }
         GoalValue::Number(number) => {
-            let field = fields(window, doc.label)[0];
-            set(window, field, *number);
+            set(window, fields(window, doc.label)[0], *number);
         }
         GoalValue::Word(word) => {
             let entry = match word.as_str() {
@@ -196,20 +187,17 @@ fn set_parameter(window: &mut Window, name: &str, wanted: &GoalValue) {
     }
 }
 
-/// Chooses an entry of a drop-down.
 pub fn choose(window: &mut Window, label: &str, entry: &str) {
     window.click_on(Role::ComboBox, label).steps(4);
     let found = window.harness.query_all_by_label(entry).last();
     found.unwrap_or_else(|| panic!("'{label}' has no entry '{entry}'")).click();
-    window.harness.run_steps(4);
+    window.steps(4);
 }
 
-/// Plays a lesson to its end, at each size of the window.
 fn play(name: &str) {
     SIZES.into_iter().for_each(|size| play_at(name, size));
 }
 
-/// Whether the pane in focus shows the image place.
 fn is_in_sight(window: &Window, place: [f32; 2]) -> bool {
     let app = window.app();
     let pane = app.widgets.rect_ui(app.model.document.focus()).expect("a pane").expand(0.5);
@@ -229,7 +217,7 @@ fn assert_in_sight(window: &Window, step: &Step, what: &str) {
     if state.workspace == Some(Workspace::Trajectories) {
         return;
     }
-    let plane = &window.results().slots.a.burst.as_ref().expect("open").burst.frames[0];
+    let plane = &window.opened().burst.frames[0];
     let whole = [0.0, 0.0, plane.width() as f32 - 1.0, plane.height() as f32 - 1.0];
     let [left, top, right, bottom] = match state.view {
         Some(InView::Region(region)) => region,
@@ -246,7 +234,7 @@ fn play_at(name: &str, size: [f32; 2]) {
     for (place, step) in lesson.steps.iter().enumerate() {
         let what = format!("{name} at {size:?}, step {} '{}'", place + 1, step.title);
         window.settle();
-        let errors = format!("{:?}", window.model().shell.messages.errors);
+        let errors = format!("{:?}", window.errors());
         let open = window.app().lessons.open.as_ref().unwrap_or_else(|| panic!("{what}: the lesson was left"));
         assert!(open.step == place && open.is_ready, "{what}: {} {errors}", open.step);
         assert!(!open.is_done(), "{what}: done before anything was tried");
@@ -267,7 +255,7 @@ fn play_at(name: &str, size: [f32; 2]) {
         let open = window.app().lessons.open.as_ref().expect("open");
         assert!(open.is_done(), "{what}: {:?} was done, and not noticed", task.goal);
         assert!(window.shows("✔ Done"), "{what}");
-        assert!(window.model().shell.messages.errors.is_empty(), "{what}: {:?}", window.model().shell.messages.errors);
+        assert!(window.errors().is_empty(), "{what}: {:?}", window.errors());
         if KEY_STEPS.contains(&(name, place + 1)) && size == SIZES[0] {
             window.snapshot(&format!("lesson_{}", name.replace('-', "_")));
         }
@@ -303,8 +291,7 @@ fn ends(window: &mut Window, lesson: &Lesson, is_drawn: bool) {
     // The last step can be looked at again.
     window.click("Step back").settle();
     assert!(window.shows(&format!("Step {0} of {0}", lesson.steps.len())));
-    window.click("Finish the lesson").settle();
-    window.click("Next lesson").settle();
+    window.click("Finish the lesson").settle().click("Next lesson").settle();
     assert_eq!(window.app().lessons.open.as_ref().map(|open| (&open.lesson.name, open.step)), Some((&next.name, 0)));
     window.click("Leave lesson").settle();
 }

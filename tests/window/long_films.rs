@@ -1,13 +1,13 @@
 //! A film opened as one burst, features of other parameters, and COLMAP's database.
 
-use crate::datasets::{dataset, few_slopes, start, walk};
+use crate::datasets::{dataset, few_slopes, walk_open};
 use crate::support::*;
 
 #[test]
 fn a_film_that_was_opened_as_a_burst_is_cut_with_one_click() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     // A few frames more than a usual burst has.
-    let film = folder.path().join("film");
+    let film = folder.join("film");
     fs::create_dir_all(&film).unwrap();
     let (burst, truth) = burstscope::synth::synth_scene(
         &burstscope::synth::SceneParams { width: 64, height: 48, frames: 36, max_slope: 0.3, ..Default::default() },
@@ -25,15 +25,12 @@ fn a_film_that_was_opened_as_a_burst_is_cut_with_one_click() {
     assert!(!window.shows("frames are long for one burst"));
     window.settle();
     // A burst of usual length has no note.
-    let stack = noisy_stack(folder.path(), 10, 40, 40);
-    let short = Start::of(&stack).open();
-    assert!(!short.shows("are long for one burst"));
+    assert!(!Start::of(&noisy_stack(&folder, 10, 40, 40)).open().shows("are long for one burst"));
 }
 
 #[test]
 fn features_of_other_parameters_are_replaced_only_after_a_question() {
-    let home = tempfile::tempdir().unwrap();
-    let mut window = start(walk(home.path())).open();
+    let (_home, mut window) = walk_open();
     window.click("Detect all").settle();
     let features = |window: &Window| -> Vec<usize> {
         dataset(window).states.iter().map(|s| if let BurstState::Done(f) = s { f.features } else { 0 }).collect()
@@ -46,7 +43,6 @@ fn features_of_other_parameters_are_replaced_only_after_a_question() {
     assert_eq!(features(&window), before);
     window.click("Detect all").steps(3).click("Replace").settle();
     assert_eq!(features(&window), [2; 3]);
-    // With unchanged parameters work continues without a question.
     window.click("Detect all").settle();
     assert!(!window.shows("Replace features?"));
 }
@@ -57,9 +53,8 @@ fn the_window_writes_the_database_that_the_command_writes() {
     use burstscope::burst::OpenOptions;
     use burstscope::dataset::{BurstCameras, ColmapJob, FeatureJob, FeatureStore, ImageKind, export_colmap};
     use burstscope::matching::{MatchParams, PairSelection};
-    let home = tempfile::tempdir().unwrap();
-    let mut window = start(walk(home.path())).open();
-    let (ours, theirs) = (home.path().join("from-window"), home.path().join("from-command"));
+    let (home, mut window) = walk_open();
+    let (ours, theirs) = (home.join("from-window"), home.join("from-command"));
     window.will_choose(&ours).run_action("export colmap database").settle();
     assert!(window.shows("database.db: 3 images, 3 pairs"));
     let job = ColmapJob {

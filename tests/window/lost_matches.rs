@@ -10,7 +10,7 @@ fn two_bursts() -> Window {
 }
 
 #[test]
-fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
+fn the_pair_says_what_was_lost_where_and_a_feature_that_is_clicked_says_why() {
     let mut window = two_bursts();
     let found = window.read().losses().expect("the losses are known").clone();
     let losses = Losses::new(found.request.pair(), &Monitor::default()).unwrap();
@@ -33,15 +33,9 @@ fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
     let why = losses.of(index, 5);
     let words: String = why.sentence.chars().skip(1).collect();
     assert!(window.shows(&words), "{}", why.sentence);
-    assert!(window.harness.query_by_role_and_label(Role::Image, "Patch of candidate 1").is_some());
+    assert!(window.has(Role::Image, "Patch of candidate 1"));
     window.snapshot("unmatched_feature").key(Key::Escape);
     assert_eq!(window.read().asked_feature(), None);
-}
-
-#[test]
-fn a_click_on_a_feature_without_a_match_asks_about_it() {
-    let mut window = two_bursts();
-    let found = window.read().losses().expect("the losses are known").clone();
     let a = found.request.request.a.clone();
     // A feature far from the others, so that the click is unambiguous.
     let apart = |i: usize, j: usize| (a.features[i].u - a.features[j].u).hypot(a.features[i].v - a.features[j].v);
@@ -49,13 +43,12 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     let lost = (0..a.features.len()).filter(|&i| matches!(found.lost[i], Lost::RatioTest | Lost::NoKeypoint));
     let index = lost.max_by(|&i, &j| alone(i).total_cmp(&alone(j))).expect("some have no match");
     let f = a.features[index];
-    window.app_mut().model.document.match_look.inliers = false;
-    window.app_mut().model.document.match_look.outliers = false;
+    window.set().match_look.inliers = false;
+    window.set().match_look.outliers = false;
     let pane = burstscope::app::pane::PaneId::of(burstscope::app::document::side::Side::A);
     window.change(|document| document.panes.get_mut(pane).unwrap().view.look_at(pos2(f.u, f.v), 8.0)).settle();
     let side = burstscope::app::document::side::Side::A;
-    let pos = window.ui_from_image_of(side, pos2(f.u, f.v)).unwrap();
-    window.click_at(pos).settle();
+    window.click_at(window.ui_from_image_of(side, pos2(f.u, f.v)).unwrap()).settle();
     let asked = window.read().asked_feature().expect("a feature is asked about");
     assert_eq!((a.features[asked].u, a.features[asked].v), (f.u, f.v));
     assert!(window.document().selected_match.is_none());
@@ -80,15 +73,11 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     window.click("Probe its place in B").settle();
     assert_eq!((window.document().workspace, names(&window)), (Workspace::Pair, before.clone()), "nothing is swapped");
     let probed = |window: &Window| {
-        let model = window.model();
-        assert!(
-            Read::of(model).probe_is_current() && model.document.probe.is_open,
-            "{:?}",
-            model.results.probed.problem
-        );
-        let answer = model.results.probed.answer.as_ref().unwrap();
+        assert!(window.read().probe_is_current(), "{:?}", window.results().probed.problem);
+        assert!(window.document().probe.is_open, "{:?}", window.results().probed.problem);
+        let answer = window.results().probed.answer.as_ref().unwrap();
         assert_eq!(answer.probe.pos_image, place);
-        (model.document.probe.side, answer.request.traced.cache.burst.name.clone())
+        (window.document().probe.side, answer.request.traced.cache.burst.name.clone())
     };
     assert_eq!(probed(&window), (Side::B, before[1].clone()));
     assert!(window.shows(" of B"), "the panel says of which burst");
@@ -106,13 +95,12 @@ fn a_feature_without_a_match_has_a_remedy_that_keeps_what_it_promises() {
     for index in candidates.step_by(5).take(12) {
         apply::pair::ask_feature(&mut window.app_mut().model, Some(index));
         window.settle();
-        let model = window.model();
-        let Some(params) = Read::of(model).remedy() else { continue };
-        let price = Read::of(model).price_of_remedy(&params).expect("it was tried");
+        let Some(params) = window.read().remedy() else { continue };
+        let price = window.read().price_of_remedy(&params).expect("it was tried");
         assert!(window.shows(&price), "{price}");
         let Some(others) = price.strip_prefix("matches it and ") else { continue };
         let others: usize = others.split(' ').next().unwrap().parse().unwrap();
-        let inliers = |window: &Window| window.results().pair.matches.as_ref().unwrap().result.counts.inliers.unwrap();
+        let inliers = |window: &Window| window.matches().result.counts.inliers.unwrap();
         let before = inliers(&window);
         let apply = window.harness.get_by_label_contains("Apply ").rect().center();
         window.click_at(apply).settle();
@@ -129,7 +117,7 @@ fn a_feature_without_a_match_has_a_remedy_that_keeps_what_it_promises() {
 }
 
 #[test]
-fn an_outlier_says_the_limit_and_motions_filter_the_matches() {
+fn an_outlier_says_the_limit_motions_filter_the_matches_and_a_match_tells_its_second_best() {
     let mut window = two_bursts();
     let pair = &window.results().pair;
     let matches = pair.matches.as_ref().unwrap();
@@ -147,20 +135,12 @@ fn an_outlier_says_the_limit_and_motions_filter_the_matches() {
     let apart = pair.listed.iter().map(|&i| pair.matches.as_ref().unwrap().row(i).unwrap().motion_apart());
     let (count, largest) = apart.fold((0, 0.0f32), |(count, largest), apart| (count + 1, largest.max(apart)));
     assert!(count > 20 && count < pair.matches.as_ref().unwrap().len() && largest <= 0.2, "{count} {largest}");
-}
-
-#[test]
-fn a_match_tells_its_second_best() {
-    let mut window = two_bursts();
     // The nearest descriptor of all is the match of the ratio test; a predicted one is the nearest where it is
     // expected.
-    window.change(|document| document.matching.predict = false).settle();
-    window.key(Key::Home).settle();
-    let model = window.model();
-    let row = model.results.pair.matches.as_ref().unwrap().row(model.document.selected_match.unwrap()).unwrap();
-    let why = model.results.pair.lost.why.as_ref().expect("it is known why");
+    window.change(|document| document.matching.predict = false).settle().key(Key::Home).settle();
+    let row = window.matches().row(window.document().selected_match.unwrap()).unwrap();
+    let why = window.results().pair.lost.why.as_ref().expect("it is known why");
     assert_eq!(why.feature, row.found.a);
     assert_eq!(why.unmatched.candidates[0].feature, row.found.b);
-    let second = why.unmatched.candidates[1];
-    assert!(window.shows(&format!("#{}", second.feature)));
+    assert!(window.shows(&format!("#{}", why.unmatched.candidates[1].feature)));
 }

@@ -15,6 +15,8 @@ mod gpu;
 mod greys;
 mod harness;
 mod pictures;
+#[path = "../../core/tests/common/shared.rs"]
+mod shared;
 mod structure;
 mod support;
 

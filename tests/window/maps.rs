@@ -8,84 +8,67 @@ use burstscope::synth::random::Stream;
 /// Writes a dark room with a bright lamp on the right, as a `.npy` stack: the noise grows with the light. Discs move by
 /// (1, 0).
 pub fn lamp(folder: &Path) -> PathBuf {
-    let (frames, height, width) = (8, 160, 240);
     let mut stream = Stream::new(5, 0);
     let blob = |u: f32, v: f32, at: (f32, f32), sigma: f32| {
         (-((u - at.0).powi(2) + (v - at.1).powi(2)) / (2.0 * sigma * sigma)).exp()
     };
-    let array = Array3::from_shape_fn((frames, height, width), |(t, v, u)| {
+    stack(folder, "lamp.npy", (8, 160, 240), |(t, v, u)| {
         let (at, v) = (u as f32 - t as f32, v as f32);
         let discs: f32 = [(40.0, 50.0), (90.0, 110.0), (60.0, 120.0)].iter().map(|d| blob(at, v, *d, 4.0)).sum();
         let light = 0.03 + 0.6 * blob(u as f32, v, (180.0, 80.0), 34.0) + 0.06 * discs;
         light + (0.004f32.powi(2) + 0.0015 * light).sqrt() * stream.normal() as f32
-    });
-    let path = folder.join("lamp.npy");
-    ndarray_npy::write_npy(&path, &array).unwrap();
-    path
+    })
 }
 
-/// The lamp, searched along a line.
-fn open(folder: &Path) -> Window {
-    Start::at_slopes(&lamp(folder), SlopeGrid::line(-2.0..=2.0, 5)).open()
+fn open() -> Window {
+    Start::at_slopes(&lamp(&folder()), SlopeGrid::line(-2.0..=2.0, 5)).open()
 }
 
 #[test]
 fn the_local_noise_is_a_picture_of_its_own() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+    let mut window = open();
     window.slide("Slope u", 1.0).shift(Key::N).settle();
-    let model = window.model();
-    let cursor = *model.document.cursor();
-    assert_eq!(model.document.focused().content, Content::Map(ViewKind::Noise));
-    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let (params, monitor) = (&model.results.slots.a.usable_params, Monitor::default());
+    let cursor = *window.document().cursor();
+    assert_eq!(window.document().focused().content, Content::Map(ViewKind::Noise));
+    let burst = &window.opened().burst;
+    let (params, monitor) = (&window.results().slots.a.usable_params, Monitor::default());
     let expected = gate_noise_map(burst, params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
-    let map = Read::of(model).picture().unwrap().plane.clone();
+    let map = window.read().picture().unwrap().plane.clone();
     assert_eq!(*map, expected);
     assert!(map.at(180, 80) > 2.0 * map.at(30, 30), "it is stronger in the light");
-    // Its range differs from that of the frames.
-    let (own, frames) = (Read::of(model).display_of(model.document.focus()), model.document.look.ranges.intensity);
+    let (own, frames) = (window.read().display_of(window.document().focus()), window.document().look.ranges.intensity);
     assert!(own.max < 0.1 * frames.max && own.map != frames.map, "{own:?} {frames:?}");
     assert!(window.shows("One range for all noise maps") && window.shows("Local noise"));
     assert!(window.harness.query_by_label_contains("Colour bar: Noise (σ) of the response").is_some());
-    // The value has its unit.
-    let at = window.ui_from_image(pos2(180.0, 80.0)).unwrap();
-    window.hover(at).steps(3);
+    window.hover(window.ui_from_image(pos2(180.0, 80.0)).unwrap()).steps(3);
     assert!(window.shows("σ 0.0") && window.shows("of full scale"), "the status bar says what it is");
     window.snapshot("noise_map");
-    // It follows the cursor in slope, octave and level.
     window.slide("Slope u", -2.0).key(Key::PageUp).key(Key::CloseBracket).settle();
-    let model = window.model();
-    assert_eq!(model.document.focused().content, Content::Map(ViewKind::Noise));
-    let coarser = &Read::of(model).picture().unwrap().plane;
-    assert_eq!((coarser.width(), model.document.cursor().octave), (map.width() / 2, cursor.octave + 1));
-    // The frame slider shows frames again.
+    assert_eq!(window.document().focused().content, Content::Map(ViewKind::Noise));
+    let coarser = &window.read().picture().unwrap().plane;
+    assert_eq!((coarser.width(), window.document().cursor().octave), (map.width() / 2, cursor.octave + 1));
     window.key(Key::Num1).settle();
     assert_eq!(window.document().focused().content, Content::Cursor);
 }
 
 #[test]
 fn coverage_is_a_share_of_the_frames() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+    let mut window = open();
     window.slide("Slope u", 2.0).shift(Key::C).settle();
-    let model = window.model();
-    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let expected =
-        coverage_view(burst, &model.results.slots.a.usable_params, model.document.cursor().slope, &Monitor::default())
-            .unwrap();
-    let map = Read::of(model).picture().unwrap().plane.clone();
+    let burst = &window.opened().burst;
+    let expected = coverage_view(
+        burst,
+        &window.results().slots.a.usable_params,
+        window.document().cursor().slope,
+        &Monitor::default(),
+    )
+    .unwrap();
+    let map = window.read().picture().unwrap().plane.clone();
     assert_eq!(*map, expected);
     assert_eq!((map.at(120, 80), map.at(0, 80)), (1.0, 0.5), "half of the frames reach the left border");
-    assert_eq!(
-        (
-            Read::of(model).display_of(model.document.focus()).min,
-            Read::of(model).display_of(model.document.focus()).max
-        ),
-        (0.0, 1.0)
-    );
-    let at = window.ui_from_image(pos2(0.0, 80.0)).unwrap();
-    window.hover(at).steps(3);
+    assert_eq!(window.read().display_of(window.document().focus()).min, 0.0);
+    assert_eq!(window.read().display_of(window.document().focus()).max, 1.0);
+    window.hover(window.ui_from_image(pos2(0.0, 80.0)).unwrap()).steps(3);
     assert!(window.shows("50 % of the frames"));
     window.harness.remove_cursor();
     window.steps(2).snapshot("flat/coverage_map");
@@ -93,17 +76,14 @@ fn coverage_is_a_share_of_the_frames() {
 
 #[test]
 fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+    let mut window = open();
     window.key(Key::S).settle();
     window.click("Menu of pane 2").steps(3).click_on(Role::RadioButton, "Local noise").steps(2).key(Key::Escape);
     window.settle();
-    let model = window.model();
-    let second = model.document.panes.shown()[1];
-    assert_eq!(model.document.panes.get(second).unwrap().content, Content::Map(ViewKind::Noise));
-    // The other pane still shows the stack.
-    assert_eq!(model.document.panes.get(model.document.panes.shown()[0]).unwrap().content, Content::Cursor);
-    let session = Session::of(Read::of(model)).unwrap();
+    let second = window.document().panes.shown()[1];
+    assert_eq!(window.document().panes.get(second).unwrap().content, Content::Map(ViewKind::Noise));
+    assert_eq!(window.document().panes.get(window.document().panes.shown()[0]).unwrap().content, Content::Cursor);
+    let session = Session::of(window.read()).unwrap();
     let text = toml::to_string(&session).unwrap();
     let read: Session = toml::from_str(&text).unwrap();
     let contents = |session: &Session| -> Vec<Content> {

@@ -4,8 +4,7 @@
 use crate::support::*;
 use burstscope::app::measure::Tool;
 use burstscope::inspect::result::{against_truth, truth_of};
-use burstscope::plane::sample::{profile, region_statistics};
-use burstscope::plane::statistics::Region;
+use burstscope::plane::{sample::profile, sample::region_statistics, statistics::Region};
 
 fn open() -> Window {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
@@ -13,17 +12,16 @@ fn open() -> Window {
     window
 }
 
-/// Drags from one place of the focused pane's image to another.
 fn drag(window: &mut Window, from: Pos2, to: Pos2) {
     let [from, to] = [from, to].map(|pos| window.ui_from_image(pos).unwrap());
     window.hover(from).steps(1);
     window.harness.drag_at(from);
-    window.harness.run_steps(1);
+    window.steps(1);
     for i in 1..=4 {
         window.hover(from + (to - from) * (i as f32 / 4.0)).steps(1);
     }
     window.harness.drop_at(to);
-    window.harness.run_steps(2);
+    window.steps(2);
 }
 
 #[test]
@@ -34,18 +32,16 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
     window.key(Key::Q);
     drag(&mut window, pos2(100.0, 80.0), pos2(220.0, 170.0));
     window.settle();
-    let model = window.model();
-    assert_eq!(model.document.focused().view.centre_image, view.centre_image, "the tool draws and does not pan");
-    let line = model.document.measure.line.expect("a line was drawn");
+    assert_eq!(window.document().focused().view.centre_image, view.centre_image, "the tool draws and does not pan");
+    let line = window.document().measure.line.expect("a line was drawn");
     assert!((line.from_image - pos2(100.0, 80.0)).length() < 1.5, "{line:?}");
-    assert_eq!(model.document.bottom_tab, BottomTab::Profile);
-    assert!(window.harness.query_by_role_and_label(Role::Image, "Profile of 2 pictures").is_some());
+    assert_eq!(window.document().bottom_tab, BottomTab::Profile);
+    assert!(window.has(Role::Image, "Profile of 2 pictures"));
     window.will_choose(&file).click("Export as CSV…").settle();
     let text = fs::read_to_string(&file).unwrap();
     let rows: Vec<&str> = text.lines().skip(1).collect();
     // The stack is the second pane; the frame shows the line half a frame later, moved along its slope.
-    let model = window.model();
-    let stack = Read::of(model).picture().unwrap().plane.clone();
+    let stack = window.read().picture().unwrap().plane.clone();
     let expected = profile(&stack, line.from_image.into(), line.to_image.into(), 1.0);
     let of_stack: Vec<&&str> = rows.iter().filter(|row| row.starts_with("\"2  Stack")).collect();
     assert_eq!((of_stack.len(), rows.len()), (expected.len(), 2 * expected.len()));
@@ -66,30 +62,24 @@ fn a_rectangle_is_measured_in_all_linked_panes() {
     window.shift(Key::Q);
     drag(&mut window, pos2(200.0, 60.0), pos2(300.0, 130.0));
     window.settle();
-    let model = window.model();
-    assert_eq!(model.document.bottom_tab, BottomTab::Region);
-    let rect = model.document.measure.region.expect("a rectangle was drawn").rect_image;
-    let stack = Read::of(model).picture().unwrap().plane.clone();
+    assert_eq!(window.document().bottom_tab, BottomTab::Region);
+    let rect = window.document().measure.region.expect("a rectangle was drawn").rect_image;
+    let stack = window.read().picture().unwrap().plane.clone();
     let pixels = |low: f32, high: f32| (low + 0.5).floor() as usize..(high + 0.5).ceil() as usize;
     let region = Region { columns: pixels(rect.min.x, rect.max.x), rows: pixels(rect.min.y, rect.max.y) };
     let expected = region_statistics(&stack, &region).unwrap();
     assert!(window.shows(&expected.count.to_string()));
     assert!(window.shows(&burstscope::app::canvas::number(expected.mean as f32, 5)));
-    let noise = expected.noise.unwrap() as f32;
-    assert!(window.shows(&burstscope::app::canvas::number(noise, 4)));
-    assert!(window.harness.query_by_role_and_label(Role::Image, "Histogram of the region").is_some());
+    assert!(window.shows(&burstscope::app::canvas::number(expected.noise.unwrap() as f32, 4)));
+    assert!(window.has(Role::Image, "Histogram of the region"));
 }
 
 #[test]
-fn line_profile() {
+fn line_profile_and_region_statistics_panel() {
     let mut window = open();
     window.key(Key::Q);
     drag(&mut window, pos2(40.0, 150.0), pos2(440.0, 110.0));
     window.snapshot("line_profile");
-}
-
-#[test]
-fn region_statistics_panel() {
     let mut window = crate::flat::open([1280.0, 800.0]);
     window.shift(Key::Q);
     drag(&mut window, pos2(200.0, 30.0), pos2(330.0, 120.0));
@@ -100,15 +90,13 @@ fn region_statistics_panel() {
 fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     window.run_action("compare with the truth").settle();
-    let model = window.model();
-    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let cache =
-        ProbeCache::new(burst, &model.results.slots.a.found.as_ref().unwrap().asked, &Monitor::default()).unwrap();
+    let burst = &window.opened().burst;
+    let cache = ProbeCache::new(burst, &window.found().asked, &Monitor::default()).unwrap();
     let truth = truth_of(burst).unwrap().expect("the demo's truth is known");
     let expected = against_truth(&cache, &truth, &Monitor::default()).unwrap();
-    let detection: &Detection = &model.results.slots.a.found.as_ref().unwrap().detection;
+    let detection: &Detection = &window.found().detection;
     assert_eq!(cache.detection().features, detection.features, "the truth is held against the features on show");
-    let shown = Read::of(model).shown_comparison(Side::A).expect("a comparison");
+    let shown = window.read().shown_comparison(Side::A).expect("a comparison");
     assert_eq!(shown.with, Reference::Truth);
     let kinds = [Compared::Same, Compared::Theirs, Compared::Repeated, Compared::Ours, Compared::WrongMotion];
     let counts = kinds.map(|kind| shown.count(kind));
@@ -122,14 +110,13 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     // The truth of a scene lists only some of its features.
     assert!(expected.summary().ends_with("elsewhere") && window.shows(&expected.summary()));
     assert!(!shown.is_whole_truth && !window.document().comparisons.a.shows(Compared::Ours));
-    // A miss tells its reason.
     assert_eq!(shown.rows[0].note, expected.missed[0].why);
     // The row stays in its place when it is selected, and selected when it is clicked again.
-    let place = window.harness.get_by_role_and_label(Role::Row, "Missed 0").rect();
+    let place = window.rect(Role::Row, "Missed 0");
     for _ in 0..2 {
         window.click_on(Role::Row, "Missed 0").settle();
         assert_eq!(window.document().comparisons.a.selected, Some(0));
-        assert_eq!(window.harness.get_by_role_and_label(Role::Row, "Missed 0").rect(), place);
+        assert_eq!(window.rect(Role::Row, "Missed 0"), place);
     }
     assert!(window.shows(&expected.missed[0].why));
     window.snapshot("truth").click("Why here?").settle();
@@ -140,8 +127,8 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
 
 #[test]
 fn a_burst_of_the_camera_has_no_truth_to_compare_with() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = Start::of(&noisy_stack(folder.path(), 4, 60, 80)).open();
+    let folder = folder();
+    let mut window = Start::of(&noisy_stack(&folder, 4, 60, 80)).open();
     window.click("Detect").settle();
     assert!(!window.read().has_reference(Side::A, Reference::Truth));
     window.run_action("compare with the truth").settle();

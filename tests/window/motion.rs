@@ -13,19 +13,18 @@ fn open() -> Window {
 fn one_count_of_the_features_at_this_slope() {
     let mut window = open();
     window.run_action("slope with most features").settle();
-    let model = window.model();
-    let slope = model.document.cursor().slope;
-    let near = near_slope(&model.results.slots.a.found.as_ref().unwrap().detection.slopes);
-    let grid = &model.results.slots.a.found.as_ref().unwrap().detection.slopes;
-    let here = Read::of(model).features().iter().filter(|feature| moves_by(grid, feature, slope, near)).count();
+    let slope = window.document().cursor().slope;
+    let near = near_slope(&window.found().detection.slopes);
+    let grid = &window.found().detection.slopes;
+    let here = window.read().features().iter().filter(|feature| moves_by(grid, feature, slope, near)).count();
     let by_own = |f: &&burstscope::Feature| (f.slope.u - slope.u).hypot(f.slope.v - slope.v) <= near;
     assert!(
-        here > Read::of(model).features().iter().filter(by_own).count(),
+        here > window.read().features().iter().filter(by_own).count(),
         "places that move so have features of other slopes"
     );
-    let note = model.shell.messages.note.clone().expect("a note");
+    let note = window.model().shell.messages.note.clone().expect("a note");
     assert!(note.starts_with(&format!("Most features ({here}) are at slope (")), "{note}");
-    let total = Read::of(model).features().len();
+    let total = window.read().features().len();
     window.click_on(Role::CheckBox, "At this slope").settle();
     assert!(window.shows(&format!("{here} of {total}")));
     assert!(window.document().look.overlay == FeaturesShown::ThisSlope, "and so many are drawn");
@@ -34,7 +33,7 @@ fn one_count_of_the_features_at_this_slope() {
 #[test]
 fn layers_are_switches_and_with_what_moves_by_itself_filters_that_sessions_keep() {
     let mut window = open();
-    let field = window.results().slots.a.found.as_ref().unwrap().detection.field.clone().expect("a field");
+    let field = window.found().detection.field.clone().expect("a field");
     let count = |window: &Window, wanted: &dyn Fn(&burstscope::Feature) -> bool| {
         window.read().features().iter().filter(|feature| wanted(feature)).count()
     };
@@ -70,8 +69,7 @@ fn a_hidden_layer_is_dark_in_the_field_of_motion() {
     window.key(Key::O).run_action("show field of motion").settle();
     let shown = window.harness.render().expect("a picture");
     window.change(|document| document.filter.solo_layer = Some(1)).settle();
-    let model = window.model();
-    let field = Read::of(model).picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
+    let field = window.read().picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
     let solo = window.harness.render().expect("a picture");
     let brightness = |picture: &RgbaImage, layer: u8| {
         let cells = (0..field.size.0 * field.size.1).filter(|cell| field.layer[*cell] == layer);
@@ -115,11 +113,10 @@ fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
 }
 
 #[test]
-fn the_field_says_the_motion_under_the_pointer_with_its_uncertainty() {
+fn the_field_says_the_motion_under_the_pointer_and_is_a_picture_as_all_in_focus_is() {
     let mut window = open();
     window.run_action("show field of motion").settle();
-    let model = window.model();
-    let field = Read::of(model).picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
+    let field = window.read().picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
     let known = |at: &[f32; 2]| field.known_at(at[0], at[1]).is_some_and(|motion| motion.slope != Slope::default());
     let [u, v] = (2..8).map(|i| [40.0 * i as f32, 100.0]).find(known).expect("a known motion");
     // Cells of 4 pixels are large enough for ellipses then.
@@ -128,15 +125,10 @@ fn the_field_says_the_motion_under_the_pointer_with_its_uncertainty() {
     window.hover(at).steps(4);
     let motion = field.at(u, v);
     assert!(window.shows(&motion_text(motion.slope, motion.ellipse().0[0], 2)));
-}
-
-#[test]
-fn the_field_and_all_in_focus_are_pictures() {
     let mut window = Start::automatic().open();
     // The features would cover them.
     window.key(Key::O);
     for (action, name) in [("show all in focus", "all_in_focus"), ("show field of motion", "field_of_motion")] {
-        window.run_action(action).settle();
-        window.snapshot(name);
+        window.run_action(action).settle().snapshot(name);
     }
 }

@@ -1,43 +1,33 @@
 //! The tab of the noise.
 
-use crate::maps::lamp;
-use crate::support::*;
+use crate::{maps::lamp, support::*};
 use burstscope::synth::NoiseCase;
 
 fn open(path: &Path) -> Window {
     let mut window = Start::at_slopes(path, SlopeGrid::line(-2.0..=2.0, 5)).open();
-    window.run_action("detect").settle();
-    window.open_tab("Noise").settle();
+    window.run_action("detect").settle().open_tab("Noise").settle();
     window
 }
 
-/// A burst of the case as a `.npy` stack.
 fn open_case(case: NoiseCase, folder: &Path) -> Window {
     let burst = case.burst((200, 150), 8, 0.02, 3, &Monitor::default()).unwrap();
-    let array = Array3::from_shape_fn((burst.len(), 150, 200), |(t, v, u)| burst.frames[t].at(u, v));
-    let path = folder.join("case.npy");
-    ndarray_npy::write_npy(&path, &array).unwrap();
-    open(&path)
+    open(&stack(folder, "case.npy", (burst.len(), 150, 200), |(t, v, u)| burst.frames[t].at(u, v)))
 }
 
 #[test]
-fn the_curve_and_the_map_are_shown_and_opened_in_the_picture() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(&lamp(folder.path()));
-    let noise = window.results().slots.a.found.as_ref().unwrap().detection.noise.clone();
+fn the_curve_and_the_map_are_shown_and_opened_in_the_picture_and_assumptions_that_fail_are_said() {
+    let home = folder();
+    let mut window = open(&lamp(&home));
+    let noise = window.found().detection.noise.clone();
     assert!(noise.is_local && noise.transfer.slope > 0.0005, "{:?}", noise.transfer);
     assert!(window.shows("σ of a frame over brightness") && window.shows("σ² = a·I + b"));
     window.click("Show σ in the picture").settle();
     assert_eq!(window.document().focused().content, Content::Map(ViewKind::Noise));
     window.snapshot("noise_tab");
-}
-
-#[test]
-fn assumptions_that_fail_are_said() {
     for (case, word) in [(NoiseCase::Doubled, "repeat"), (NoiseCase::HotPixels, "pixels")] {
-        let folder = tempfile::tempdir().unwrap();
-        let mut window = open_case(case, folder.path());
-        let warnings = window.results().slots.a.found.as_ref().unwrap().detection.noise.warnings.clone();
+        let folder = folder();
+        let mut window = open_case(case, &folder);
+        let warnings = window.found().detection.noise.warnings.clone();
         assert!(!warnings.is_empty(), "{case:?}");
         for warning in &warnings {
             assert!(window.shows(&format!("Noise: {}.", warning.text)), "{case:?}: {}", warning.text);

@@ -1,16 +1,13 @@
 //! Panes of the inspector: presets, splitting, links, a wipe, a flip, a difference; and contents that a small window
 //! still shows.
 
-use crate::flat;
-use crate::support::*;
-use burstscope::baseline::merge_burst;
-use burstscope::detector::view::{dog_view, stack_view};
+use crate::{flat, support::*};
+use burstscope::{baseline::merge_burst, detector::view::dog_view, detector::view::stack_view};
 
 fn open() -> Window {
     Start { size: [1280.0, 800.0], ..Start::default() }.open()
 }
 
-/// The window after a key that lays out a preset.
 fn laid_out(mut window: Window, key: Key) -> Window {
     window.key(key).settle();
     window
@@ -27,34 +24,35 @@ fn slopes(window: &Window) -> Vec<f32> {
 
 /// Centre of the canvas of pane `number`, in points.
 fn middle(window: &Window, number: usize) -> Pos2 {
-    window.harness.get_by_role_and_label(Role::Canvas, &format!("Picture {number}")).rect().center()
-}
-
-fn zoom_at(window: &mut Window, pos: Pos2) {
-    window.hover(pos).steps(1);
-    window.harness.event(egui::Event::Zoom(1.8));
-    window.harness.run_steps(4);
+    window.rect(Role::Canvas, &format!("Picture {number}")).center()
 }
 
 #[test]
-fn every_kind_of_picture_is_what_the_library_makes() {
+fn every_kind_of_picture_is_what_the_library_makes_and_a_pane_shows_the_other_burst() {
     let window = laid_out(open(), Key::Num9);
-    let model = window.model();
-    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let planes: Vec<_> =
-        shown(&window).iter().map(|id| Read::of(model).picture_in(*id).unwrap().plane.clone()).collect();
-    let (cursor, params, monitor) = (*model.document.cursor(), &model.document.params.at_given(), Monitor::default());
+    let burst = &window.opened().burst;
+    let planes: Vec<_> = shown(&window).iter().map(|id| window.read().picture_in(*id).unwrap().plane.clone()).collect();
+    let (cursor, params, monitor) =
+        (*window.document().cursor(), &window.document().params.at_given(), Monitor::default());
     assert_eq!(planes[0], burst.frames[cursor.frame]);
     assert_eq!(*planes[1], stack_view(burst, params, cursor.slope, &monitor).unwrap());
     assert_eq!(*planes[2], dog_view(burst, params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap());
     assert_eq!(planes[3], merge_burst(burst, 0..burst.len(), &monitor).unwrap().frames[0]);
     assert!(window.shows("Merged frames"));
+    let mut window = Start::two_bursts([1280.0, 800.0]).open();
+    window.click("One burst").key(Key::S).click("Menu of pane 2").steps(3).click_on(Role::RadioButton, "B");
+    window.steps(2).key(Key::Escape).settle();
+    let id = shown(&window)[1];
+    assert_eq!(window.document().panes.get(id).unwrap().side, Side::B);
+    assert_eq!(window.read().picture_in(id).unwrap().request.burst.id, window.read().burst_of(Side::B).unwrap().id);
+    window.run_action("close b").settle();
+    assert_eq!(shown(&window), [PaneId::of(Side::A)]);
 }
 
 #[test]
 fn panes_are_split_by_buttons_and_keys_and_closed() {
     let mut window = open();
-    assert!(window.harness.query_by_role_and_label(Role::Canvas, "Picture").is_some());
+    assert!(window.has(Role::Canvas, "Picture"));
     window.key(Key::S).settle();
     assert_eq!(shown(&window).len(), 2);
     let new = window.document().panes.focus();
@@ -71,21 +69,27 @@ fn panes_are_split_by_buttons_and_keys_and_closed() {
     assert_eq!(shown(&window), [PaneId::of(Side::A)]);
     window.ctrl(Key::W);
     assert_eq!(shown(&window).len(), 1, "the last one stays");
-    assert!(window.harness.query_by_role_and_label(Role::Canvas, "Picture").is_some());
+    assert!(window.has(Role::Canvas, "Picture"));
 }
 
 #[test]
-fn a_click_gives_a_pane_the_focus_and_keys_move_it() {
+fn a_click_gives_a_pane_the_focus_keys_move_it_and_a_display_of_its_own_is_changed_alone() {
     let mut window = laid_out(open(), Key::Num7);
     assert_eq!(slopes(&window), [-2.0, -1.0]);
-    let pos = middle(&window, 2) + vec2(0.0, 150.0);
-    window.click_at(pos);
+    window.click_at(middle(&window, 2) + vec2(0.0, 150.0));
     assert_eq!(window.document().panes.focus(), shown(&window)[1]);
     window.key(Key::ArrowRight).settle();
     assert_eq!(slopes(&window), [-2.0, 0.0], "two slopes are moved each on its own");
     window.key(Key::J).key(Key::ArrowRight).settle();
     assert_eq!(slopes(&window), [-1.0, 0.0]);
     assert!(window.read().pictures_are_current());
+    window.click("Link display of pane 1").settle();
+    assert!(window.shows("This pane's range for motion stacks and merged frames"));
+    window.click("Full range").settle();
+    let displays: Vec<_> = shown(&window).iter().map(|id| window.read().display_of(*id)).collect();
+    assert_ne!(displays[0].max, displays[1].max);
+    window.click("Link display of pane 1").settle();
+    assert_eq!(window.read().display_of(shown(&window)[0]), displays[1]);
 }
 
 #[test]
@@ -96,11 +100,10 @@ fn a_strip_moves_as_one_until_a_pane_is_let_go() {
     assert_eq!(slopes(&window), [-2.0, -1.0, 0.0, 1.0, 2.0]);
     window.click("Link cursor of pane 5").slide("Slope u", 0.5).settle();
     assert_eq!(slopes(&window), [-0.5, 0.5, 1.5, 2.5, 2.0]);
-    let model = window.model();
-    let last = Read::of(model).picture_in(shown(&window)[0]).unwrap();
-    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
+    let last = window.read().picture_in(shown(&window)[0]).unwrap();
+    let burst = &window.opened().burst;
     let expected =
-        stack_view(burst, &model.document.params.at_given(), Slope::new(-0.5, 0.0), &Monitor::default()).unwrap();
+        stack_view(burst, &window.document().params.at_given(), Slope::new(-0.5, 0.0), &Monitor::default()).unwrap();
     assert_eq!(*last.plane, expected);
 }
 
@@ -112,32 +115,17 @@ fn views_move_together_where_they_are_linked() {
         panes.shown().iter().map(|id| panes.get(*id).unwrap().view.zoom).collect()
     };
     let pos = middle(&window, 1);
-    zoom_at(&mut window, pos);
+    window.zoom_at(pos);
     let first = zooms(&window);
     assert!(first[0] != Zoom::Fit && first[0] == first[1], "{first:?}");
-    window.harness.remove_cursor();
-    window.steps(2).click("Link view of pane 2");
-    zoom_at(&mut window, pos);
+    window.click("Link view of pane 2");
+    window.zoom_at(pos);
     let second = zooms(&window);
     assert!(second[0] != first[0] && second[1] == first[1], "{second:?}");
 }
 
 #[test]
-fn a_display_of_its_own_is_changed_alone() {
-    let mut window = laid_out(open(), Key::Num7);
-    window.click("Link display of pane 1").settle();
-    assert!(window.shows("This pane's range for motion stacks and merged frames"));
-    window.click("Full range").settle();
-    let model = window.model();
-    let displays: Vec<_> = shown(&window).iter().map(|id| Read::of(model).display_of(*id)).collect();
-    assert_ne!(displays[0].max, displays[1].max);
-    window.click("Link display of pane 1").settle();
-    let model = window.model();
-    assert_eq!(Read::of(model).display_of(shown(&window)[0]), displays[1]);
-}
-
-#[test]
-fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it() {
+fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it_and_linked_place() {
     let mut window = laid_out(open(), Key::Num6);
     window.key(Key::J);
     for _ in 0..4 {
@@ -146,27 +134,23 @@ fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it
     window.settle();
     // The frame is the last one now, 4.5 frames after the middle; the stack is at slope −2.
     let [frame, stack] = shown(&window)[..] else { panic!("two panes") };
-    let model = window.model();
-    assert_eq!(
-        (
-            model.document.panes.get(frame).unwrap().cursor.frame,
-            model.document.panes.get(stack).unwrap().cursor.slope.u
-        ),
-        (9, -2.0)
-    );
+    let cursor = |id| window.document().panes.get(id).unwrap().cursor;
+    assert_eq!((cursor(frame).frame, cursor(stack).slope.u), (9, -2.0));
     let place = pos2(200.3, 150.2);
     let at = window.app().widgets.ui_from_image(stack).unwrap().pos(place);
     window.hover(at).steps(3);
     let values = window.app().widgets.values.clone();
     assert_eq!(values.iter().map(|v| v.id).collect::<Vec<_>>(), [stack, frame]);
     assert!((values[0].readout.u - 200.3).abs() < 0.6);
-    let moved = values[1].readout.u - values[0].readout.u;
+    let (moved, (u, v)) = (values[1].readout.u - values[0].readout.u, values[1].readout.pixel);
     assert!((moved + 9.0).abs() < 0.01, "{moved}");
-    let burst = &window.results().slots.a.burst.as_ref().unwrap().burst;
-    assert_eq!(values[1].readout.value, burst.frames[9].at(values[1].readout.pixel.0, values[1].readout.pixel.1));
+    assert_eq!(values[1].readout.value, window.opened().burst.frames[9].at(u, v));
     assert!(window.shows("v 150.") && window.shows("2: 0."), "the status bar has both values");
     window.click("Link place of pane 1").hover(at).steps(3);
     assert_eq!(window.app().widgets.values.len(), 1);
+    let mut window = laid_out(open(), Key::Num9);
+    let at = window.app().widgets.ui_from_image(shown(&window)[1]).unwrap().pos(pos2(122.0, 96.0));
+    window.snapshot_with_pointer("linked_place", at);
 }
 
 #[test]
@@ -177,11 +161,11 @@ fn a_pane_is_laid_over_another_as_a_wipe_and_as_a_flip() {
     let over = |window: &Window| window.document().panes.get(focus).unwrap().over;
     window.key(Key::W).settle();
     assert_eq!(over(&window), Some(Over::Wipe { other, at: 0.5 }));
-    let handle = window.harness.get_by_role_and_label(Role::Slider, "Wipe line").rect().center();
+    let handle = window.rect(Role::Slider, "Wipe line").center();
     window.harness.drag_at(handle);
     window.steps(1).hover(handle + vec2(60.0, 0.0)).steps(1);
     window.harness.drop_at(handle + vec2(60.0, 0.0));
-    window.harness.run_steps(2);
+    window.steps(2);
     let Some(Over::Wipe { at, .. }) = over(&window) else { panic!("still a wipe") };
     assert!(at > 0.55, "{at}");
     window.key(Key::W).key(Key::Y).settle();
@@ -199,32 +183,16 @@ fn a_difference_is_chosen_in_the_menu_of_a_third_pane() {
     let number = window.document().panes.number(window.document().panes.focus()).unwrap();
     window.click(&format!("Menu of pane {number}")).steps(3).click("Difference").steps(3);
     let others: Vec<usize> = (1..=3).filter(|n| *n != number).collect();
-    window.click(&format!("{} minus", others[0])).steps(3).click(&format!("{} − {}", others[0], others[1]));
-    window.settle();
-    let model = window.model();
-    let focus = model.document.panes.focus();
+    window.click(&format!("{} minus", others[0])).steps(3).click(&format!("{} − {}", others[0], others[1])).settle();
+    let focus = window.document().panes.focus();
     let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();
-    assert_eq!(model.document.panes.get(focus).unwrap().content, Content::Difference(rest[0], rest[1]));
-    let plane = |id: PaneId| Read::of(model).picture_in(id).unwrap().plane.clone();
+    assert_eq!(window.document().panes.get(focus).unwrap().content, Content::Difference(rest[0], rest[1]));
+    let plane = |id: PaneId| window.read().picture_in(id).unwrap().plane.clone();
     assert_eq!(plane(focus).at(100, 80), plane(rest[0]).at(100, 80) - plane(rest[1]).at(100, 80));
 }
 
 #[test]
-fn a_pane_shows_the_other_burst() {
-    let mut window = Start::two_bursts([1280.0, 800.0]).open();
-    window.click("One burst").key(Key::S).click("Menu of pane 2").steps(3).click_on(Role::RadioButton, "B");
-    window.steps(2).key(Key::Escape).settle();
-    let model = window.model();
-    let id = shown(&window)[1];
-    assert_eq!(model.document.panes.get(id).unwrap().side, Side::B);
-    assert_eq!(Read::of(model).picture_in(id).unwrap().request.burst.id, Read::of(model).burst_of(Side::B).unwrap().id);
-    // Closing B also closes the pane.
-    window.run_action("close b").settle();
-    assert_eq!(shown(&window), [PaneId::of(Side::A)]);
-}
-
-#[test]
-fn presets_of_keys_are_drawn() {
+fn presets_are_drawn_and_wipe_and_difference() {
     for (key, size, name) in [
         (Key::Num6, [1280.0, 800.0], "flat/preset_frame_and_stack"),
         (Key::Num7, [1024.0, 700.0], "flat/preset_two_slopes"),
@@ -233,56 +201,27 @@ fn presets_of_keys_are_drawn() {
     ] {
         laid_out(flat::open(size), key).snapshot(name);
     }
-}
-
-#[test]
-fn preset_nine_slopes_small() {
-    let slopes = SlopeGrid::line(-3.0..=3.0, 13);
-    let mut window = flat::open_with(flat::at_slopes([1024.0, 700.0], slopes));
-    window.run_action("layout: 9 slopes").settle();
-    window.snapshot("flat/preset_nine_slopes");
-}
-
-#[test]
-fn preset_strip_of_scales() {
+    let fine = flat::at_slopes([1024.0, 700.0], SlopeGrid::line(-3.0..=3.0, 13));
+    flat::open_with(fine).run_action("layout: 9 slopes").settle().snapshot("flat/preset_nine_slopes");
     let mut window = flat::open([1280.0, 800.0]);
-    window.run_action("layout: scales").settle();
-    window.snapshot("flat/preset_strip_of_scales");
-}
-
-#[test]
-fn linked_place() {
-    let mut window = laid_out(open(), Key::Num9);
-    let stack = shown(&window)[1];
-    let at = window.app().widgets.ui_from_image(stack).unwrap().pos(pos2(122.0, 96.0));
-    window.snapshot_with_pointer("linked_place", at);
-}
-
-#[test]
-fn wipe_and_difference() {
+    window.run_action("layout: scales").settle().snapshot("flat/preset_strip_of_scales");
     let mut window = laid_out(flat::open([1280.0, 800.0]), Key::Num6);
     window.key(Key::W).shift(Key::S);
     let [a, b, c] = shown(&window)[..] else { panic!("three panes") };
     let focus = window.document().panes.focus();
     let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();
-    window.app_mut().model.document.panes.get_mut(focus).unwrap().content = Content::Difference(rest[0], rest[1]);
-    window.settle();
-    window.snapshot("flat/wipe_and_difference");
-}
-
-fn rect_of(window: &Window, role: Role, label: &str) -> Rect {
-    window.harness.get_by_role_and_label(role, label).rect()
+    window.set().panes.get_mut(focus).unwrap().content = Content::Difference(rest[0], rest[1]);
+    window.settle().snapshot("flat/wipe_and_difference");
 }
 
 #[test]
 fn at_1024_by_700_the_picture_and_the_columns_that_matter_are_seen() {
     let mut window = Start { size: [1024.0, 700.0], ..Start::default() }.open();
-    window.key(Key::Home).settle();
-    window.snapshot("small_window");
+    window.key(Key::Home).settle().snapshot("small_window");
     // The panel on the right ends where the table does.
-    let right = rect_of(&window, Role::Button, "Why?").left();
+    let right = window.rect(Role::Button, "Why?").left();
     for heading in ["#", "u", "v", "σ", "Slope u", "Slope v", "SNR"] {
-        let rect = rect_of(&window, Role::Button, &format!("Sort by {heading}"));
+        let rect = window.rect(Role::Button, &format!("Sort by {heading}"));
         assert!(rect.right() < right && rect.bottom() < 700.0, "{heading}: {rect:?}, but {right}");
     }
     let visible = window.app().widgets.get(window.document().focus()).and_then(|w| w.picture.visible_image).unwrap();
@@ -296,7 +235,7 @@ fn the_numbers_of_two_bursts_fit_at_960_points() {
     assert!(window.read().found_of(Side::B).is_some());
     window.snapshot("two_bursts_narrow").click("Unmatched").settle();
     // Between the two panels on the sides.
-    let left = rect_of(&window, Role::SpinButton, "Frame").right();
+    let left = window.rect(Role::SpinButton, "Frame").right();
     let right = window.harness.get_by_label("Selected match").rect().left();
     let wide = |role: Role, name: &str| {
         let named = window.harness.query_all_by_label_contains(name);
@@ -306,11 +245,8 @@ fn the_numbers_of_two_bursts_fit_at_960_points() {
     };
     let numbers = ["Keypoints", "Putative", "Inliers", "Match ratio", "Match score", "Inlier ratio"];
     let lost = ["no keypoint", "ratio test", "mutual check", "geometry"];
-    let rects: Vec<Rect> = numbers
-        .map(|name| wide(Role::Label, name))
-        .into_iter()
-        .chain(lost.map(|name| wide(Role::CheckBox, name)))
-        .collect();
+    let rects =
+        [&numbers.map(|name| wide(Role::Label, name))[..], &lost.map(|name| wide(Role::CheckBox, name))].concat();
     for (index, rect) in rects.iter().enumerate() {
         assert!(rect.left() > left && rect.right() < right && rect.bottom() < 640.0, "{index}: {rect:?}");
         assert!(rects[..index].iter().all(|other| !other.shrink(1.0).intersects(*rect)), "{rects:?}");

@@ -8,13 +8,11 @@
 //! `UPDATE_SNAPSHOTS=1` accepts texts and flat pictures that differ. `UPDATE_SNAPSHOTS=force` writes all texts and
 //! pictures anew, those of the documents too.
 
-use crate::support::*;
-use crate::{cut, structure};
+use crate::{cut, structure, support::*};
 use image::RgbImage;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::imageops::thumbnail;
 
-/// Folder of the pictures without noise, in `screenshots/`.
 const FLAT: &str = "flat/";
 /// Colours of a picture of a document.
 const COLOURS: usize = 256;
@@ -26,9 +24,6 @@ const CHANNEL_TOLERANCE: u8 = 40;
 const MAX_PIXELS: usize = 8;
 
 /// Compares the window of `harness` with the structure `name`, and with the picture if it is one without noise.
-///
-/// # Panics
-/// When one of them differs.
 #[track_caller]
 pub fn compare<State>(harness: &mut Harness<'_, State>, name: &str) {
     let image = harness.render().expect("it can be drawn");
@@ -44,7 +39,6 @@ pub fn compare<State>(harness: &mut Harness<'_, State>, name: &str) {
     }
 }
 
-/// Files of a window in `screenshots/`.
 struct Stored {
     text: PathBuf,
     picture: PathBuf,
@@ -60,7 +54,6 @@ impl Stored {
         self.text.parent().is_some_and(|folder| folder.ends_with(FLAT))
     }
 
-    /// Differences from what is shown; `None` where there are none.
     fn differences(&self, shown: &str, image: &RgbaImage) -> Option<String> {
         // A file that is not there is an empty one.
         let text = fs::read_to_string(&self.text).unwrap_or_default();
@@ -115,7 +108,6 @@ fn is_in_a_document(name: &str) -> bool {
     markdown.chain([root().join("README.md")]).any(shows)
 }
 
-/// The picture at half its width and height.
 fn halved(image: &RgbaImage) -> RgbImage {
     let half = thumbnail(image, image.width() / 2, image.height() / 2);
     image::DynamicImage::ImageRgba8(half).into_rgb8()
@@ -195,7 +187,6 @@ fn a_picture_with_noise_and_marks_is_near_itself_in_few_colours_and_small() {
         _ => image::Rgb([60 + noise(x, y) as u8; 3]),
     });
     let stored = in_few_colours(&image);
-    let read = image::load_from_memory(&stored).unwrap().into_rgb8();
-    assert_eq!(count_differing(&read, &image), 0);
+    assert_eq!(count_differing(&image::load_from_memory(&stored).unwrap().into_rgb8(), &image), 0);
     assert!(stored.len() < 320 * 200, "{} bytes", stored.len());
 }

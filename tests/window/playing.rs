@@ -1,7 +1,6 @@
 //! What was done in a window, copied as a text and done again in another one.
 
-use crate::steps_back::copied;
-use crate::support::*;
+use crate::{steps_back::copied, support::*};
 use burstscope::app::document::journal::read_steps;
 
 fn did(window: &mut Window) -> Steps {
@@ -24,40 +23,26 @@ fn assert_same(window: &Window, again: &Window) {
 }
 
 #[test]
-fn what_was_done_with_one_burst_is_done_again() {
+fn what_was_done_with_one_burst_is_done_again_and_what_was_done_with_two_bursts_is_done_again() {
     let mut window = Start::default().open();
-    window.key(Key::ArrowRight).settle();
-    window.slide("Slope u", 2.5).settle();
-    window.run_action("Split right").settle();
-    window.key(Key::ArrowLeft).settle();
-    window.ctrl(Key::Z).settle();
-    window.run_action("preset sift").settle();
-    window.ctrl(Key::Z).settle();
+    window.key(Key::ArrowRight).settle().slide("Slope u", 2.5).settle().run_action("Split right").settle();
+    window.key(Key::ArrowLeft).settle().ctrl(Key::Z).settle().run_action("preset sift").settle().ctrl(Key::Z).settle();
     window.run_action("First feature or match").run_action("Zoom in").settle();
     let place = window.ui_from_image(pos2(60.0, 50.0)).expect("it is drawn");
-    window.run_action("Pin this result").settle();
-    window.shift_click_at(place).settle();
+    window.run_action("Pin this result").settle().shift_click_at(place).settle();
     window.drag(place, place + vec2(30.0, 12.0)).settle();
     let steps = did(&mut window);
     assert!(steps.iter().flatten().any(|action| matches!(action, Action::Probe(..))), "{steps:?}");
     let mut again = played(Start::default(), steps.clone());
     assert_same(&window, &again);
     assert_eq!(did(&mut again), steps, "and what was played can be copied");
-}
-
-#[test]
-fn what_was_done_with_two_bursts_is_done_again() {
     let size = [1400.0, 900.0];
     let mut window = Start { size, ..Start::default() }.open();
-    window.ctrl(Key::Num2).settle();
-    window.click("Later demo burst as B").settle();
-    window.key(Key::N).run_action("Go to the selection").settle();
-    window.slide("Slope u", 1.25).settle();
-    window.run_action("Zoom and pan together").settle();
-    window.run_action("Swap A and B").settle();
+    window.ctrl(Key::Num2).settle().click("Later demo burst as B").settle();
+    window.key(Key::N).run_action("Go to the selection").settle().slide("Slope u", 1.25).settle();
+    window.run_action("Zoom and pan together").settle().run_action("Swap A and B").settle();
     let steps = did(&mut window);
-    let again = played(Start { size, ..Start::default() }, steps);
-    assert_same(&window, &again);
+    assert_same(&window, &played(Start { size, ..Start::default() }, steps));
 }
 
 #[test]
@@ -70,9 +55,7 @@ fn what_is_played_shows_its_errors_and_needs_no_session_file() {
     window.drop_file(path.clone()).settle();
     let steps = did(&mut window);
     fs::remove_file(&path).unwrap();
-    let again = played(Start::default(), steps);
-    assert_same(&window, &again);
-    let gone = Action::OpenFeatures(burstscope::app::document::side::Side::A, home.path().join("gone.csv"));
-    let again = played(Start::default(), Steps::from([vec![gone]]));
-    assert!(again.app().is_settled());
+    assert_same(&window, &played(Start::default(), steps));
+    let gone = Action::OpenFeatures(burstscope::app::document::side::Side::A, home.join("gone.csv"));
+    assert!(played(Start::default(), Steps::from([vec![gone]])).app().is_settled());
 }

@@ -55,8 +55,8 @@ const OBJECT: &str = "/org/freedesktop/portal/desktop";
 #[needs::program("dbus-daemon")]
 #[test]
 fn a_portal_or_zenity_shows_dialogs_and_nothing_else_does() {
-    let home = tempfile::tempdir().expect("a folder");
-    let (with, without) = (home.path().join("with"), home.path().join("without"));
+    let home = crate::shared::folder();
+    let (with, without) = (home.join("with"), home.join("without"));
     [&with, &without].into_iter().for_each(|folder| std::fs::create_dir(folder).expect("made"));
     for (folder, mode) in [(&with, 0o755), (&without, 0o644)] {
         std::fs::write(folder.join("zenity"), "#!/bin/sh\n").expect("written");
@@ -77,6 +77,5 @@ fn a_portal_or_zenity_shows_dialogs_and_nothing_else_does() {
     assert_eq!(both(), [true, true], "a portal");
     assert!(shows_dialogs(bus.builder(), None), "a portal, and no search path");
     drop(portal);
-    let gone = Builder::address("unix:path=/nowhere/bus");
-    assert!(!shows_dialogs(gone, Some(without.as_os_str())), "no bus");
+    assert!(!shows_dialogs(Builder::address("unix:path=/nowhere/bus"), Some(without.as_os_str())), "no bus");
 }

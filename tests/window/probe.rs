@@ -1,8 +1,7 @@
 //! Probe: asked by click, key and menu; the content and buttons of its panel; slices through the frames; and the places
 //! of the rejected candidates, where rows of the tally are switches.
 
-use crate::maps::lamp;
-use crate::support::*;
+use crate::{maps::lamp, support::*};
 use burstscope::app::pane::SliceAxis;
 use burstscope::inspect::place::{CauseKind, ProbeOptions, ProbeSubject, SurveyOptions, probe, survey};
 use burstscope::inspect::result::{DecoyStudy, decoys};
@@ -13,14 +12,8 @@ fn demo() -> Window {
 }
 
 pub fn answer(window: &Window) -> &Probed {
-    let model = window.model();
-    assert!(Read::of(model).probe_is_current(), "{:?} {:?}", model.document.probe, model.results.probed.problem);
-    model.results.probed.answer.as_ref().unwrap()
-}
-
-/// Rectangle of an image in the panel.
-fn rect_of(window: &Window, label: &str) -> Rect {
-    window.harness.get_by_role_and_label(Role::Image, label).rect()
+    assert!(window.read().probe_is_current(), "{:?} {:?}", window.document().probe, window.results().probed.problem);
+    window.results().probed.answer.as_ref().unwrap()
 }
 
 #[test]
@@ -33,13 +26,12 @@ fn a_feature_says_why_it_was_kept() {
     let verdict = fate.verdict.clone();
     assert!(verdict.contains("feature 0") && window.shows(&verdict["kept as".len()..]), "{verdict}");
     for image in ["Response over slope and scale", "Patch of each frame", "Response of each frame"] {
-        rect_of(&window, image);
+        window.rect(Role::Image, image);
     }
     let traced = answer(&window).request.traced.cache.clone();
     assert_eq!(traced.detection().features, window.read().features(), "one search, or the same bits");
     window.snapshot("probe_feature");
-    // A click in the map sets that slope and scale.
-    let rect = rect_of(&window, "Response over slope and scale");
+    let rect = window.rect(Role::Image, "Response over slope and scale");
     window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height())).settle();
     let (model, map) = (window.model(), &answer(&window).probe.response);
     assert!(model.document.focused().shows(ViewKind::Dog));
@@ -51,7 +43,7 @@ fn a_feature_says_why_it_was_kept() {
 fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     let mut window = demo();
     // Shown features would be probed instead of the places beside them.
-    window.app_mut().model.document.look.overlay = FeaturesShown::None;
+    window.set().look.overlay = FeaturesShown::None;
     let ui = |window: &Window, u: f32, v: f32| window.ui_from_image(pos2(u, v)).unwrap();
     let near = |window: &Window, u: f32, v: f32| {
         let place = window.read().probed_place().expect("a place");
@@ -66,12 +58,10 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     near(&window, 200.0, 90.0);
     window.shift(Key::F);
     for u in [100.0, 140.0, 180.0] {
-        let pos = ui(&window, u, 60.0);
-        window.hover(pos).steps(2).settle();
+        window.hover(ui(&window, u, 60.0)).steps(2).settle();
         near(&window, u, 60.0);
         answer(&window);
     }
-    // A click ends following, and the place stays.
     let pos = ui(&window, 180.0, 60.0);
     window.click_at(pos);
     let pos = ui(&window, 260.0, 120.0);
@@ -81,8 +71,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     window.key(Key::Num1).settle();
     let (cursor, used) = (*window.document().cursor(), window.read().frame_count());
     let later = cursor.frame as f32 - 0.5 * (used as f32 - 1.0);
-    let pos = ui(&window, 240.0, 100.0);
-    window.shift_click_at(pos).settle();
+    window.shift_click_at(ui(&window, 240.0, 100.0)).settle();
     near(&window, 240.0 - later * cursor.slope.u, 100.0 - later * cursor.slope.v);
     window.click("Clear probe");
     assert!(window.results().probed.answer.is_none() && !window.document().probe.is_on());
@@ -92,23 +81,16 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
 fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     let mut window = Start::two_bursts([1400.0, 900.0]).open();
     let names = |window: &Window| Side::BOTH.map(|side| window.read().burst_of(side).unwrap().burst.name.clone());
-    assert_eq!(
-        (window.document().workspace, names(&window)),
-        (Workspace::Pair, ["demo", "demo-later"].map(String::from))
-    );
+    assert_eq!(window.document().workspace, Workspace::Pair);
+    assert_eq!(names(&window), ["demo", "demo-later"].map(String::from));
     for (side, u, v) in [(Side::B, 92.0, 58.0), (Side::A, 200.0, 90.0), (Side::B, 300.0, 40.0)] {
-        let pos = window.ui_from_image_of(side, pos2(u, v)).unwrap();
-        window.shift_click_at(pos).settle();
+        window.shift_click_at(window.ui_from_image_of(side, pos2(u, v)).unwrap()).settle();
         let (model, answer) = (window.model(), answer(&window));
         assert_eq!((model.document.probe.side, model.document.workspace), (side, Workspace::Pair));
-        assert_eq!(
-            (model.document.selected_match, Read::of(model).asked_feature()),
-            (None, None),
-            "nothing else was clicked"
-        );
+        assert_eq!(model.document.selected_match, None, "nothing else was clicked");
+        assert_eq!(Read::of(model).asked_feature(), None, "nothing else was clicked");
         let place = answer.probe.pos_image;
         assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?}");
-        // The answer is that of the library for this burst.
         let burst = &Read::of(model).burst_of(side).unwrap().burst;
         let cache = ProbeCache::new(burst, &Read::of(model).asked_of(side), &Monitor::default()).unwrap();
         let in_view = answer.request.in_view;
@@ -118,22 +100,18 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
         assert!(window.shows(&title) && window.shows(&answer.probe.summary), "{title}");
     }
     assert_eq!(names(&window), ["demo", "demo-later"], "nothing is swapped");
-    // A click in the map moves B's cursor.
-    let rect = rect_of(&window, "Response over slope and scale");
+    let rect = window.rect(Role::Image, "Response over slope and scale");
     window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height())).settle();
     let (model, map) = (window.model(), &answer(&window).probe.response);
     assert_eq!(Read::of(model).active_side(), Side::B);
-    assert!(
-        model.document.focused().shows(ViewKind::Dog)
-            && map.columns.contains(&model.document.panes.of(Side::B).cursor.slope)
-    );
-    // The other tab brings the match back.
+    assert!(model.document.focused().shows(ViewKind::Dog));
+    assert!(map.columns.contains(&model.document.panes.of(Side::B).cursor.slope));
     window.click("Match and display");
     assert!(!window.document().probe.is_open && window.shows("Selected match"));
 }
 
 #[test]
-fn the_probe_is_to_be_read_on_a_light_ground_too() {
+fn the_probe_is_to_be_read_on_a_light_ground_too_and_a_session_comes_back_with_the_place_and_the_slice() {
     let settings = Settings { theme: egui::ThemePreference::Light, ..given().settings };
     let startup = Startup { settings, ..given() };
     let mut window = Start { size: [1280.0, 800.0], startup, ..Start::default() }.open();
@@ -141,6 +119,17 @@ fn the_probe_is_to_be_read_on_a_light_ground_too() {
     assert!(!window.harness.ctx.global_style().visuals.dark_mode);
     assert!(answer(&window).probe.subject_fate().expect("it is a candidate").is_kept() && window.shows("Kept as"));
     window.snapshot("probe_light");
+    let (_folder, file) = folder_with("probe.burstscope.toml");
+    let mut window = demo();
+    let pos = window.ui_from_image(pos2(92.0, 58.0)).unwrap();
+    window.shift_click_at(pos).run_action("stack and slice").settle();
+    let place = window.read().probed_place();
+    window.will_choose(&file).run_action("save session").settle();
+    let mut other = demo();
+    other.will_choose(&file).run_action("open session").settle();
+    assert!(place.is_some() && other.read().probed_place() == place && other.document().probe.is_open);
+    assert_eq!(answer(&other).probe.pos_image, place.unwrap());
+    assert!(other.document().panes.iter().any(|(_, pane)| pane.content == Content::Slice(SliceAxis::Along)));
 }
 
 #[test]
@@ -164,10 +153,9 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
 #[test]
 fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_found_at_another_slope() {
     let mut window = Start { size: [1280.0, 1100.0], ..Start::automatic() }.open();
-    window.app_mut().model.document.look.overlay = FeaturesShown::None;
+    window.set().look.overlay = FeaturesShown::None;
     let probe = |window: &mut Window, u: f32, v: f32| {
-        let pos = window.ui_from_image(pos2(u, v)).unwrap();
-        window.shift_click_at(pos).settle();
+        window.shift_click_at(window.ui_from_image(pos2(u, v)).unwrap()).settle();
     };
     // A star that was kept at slopes with which it does not move: a button goes to what was found.
     window.change(|document| document.focused_mut().cursor.slope = Slope::new(0.95, 0.0)).settle();
@@ -180,11 +168,8 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
     assert!(window.shows("It is shown under All, not under This slope."));
     let feature = other.feature.expect("a feature");
     window.click(&format!("Go to feature {feature}")).settle();
-    let model = window.model();
-    assert_eq!(
-        (model.document.selected, model.document.cursor().slope),
-        (Some(feature), Read::of(model).features()[feature].slope)
-    );
+    assert_eq!(window.document().selected, Some(feature));
+    assert_eq!(window.document().cursor().slope, window.read().features()[feature].slope);
     // A star that is too small: the setting that finds it is a click away.
     window.change(|document| document.look.overlay = FeaturesShown::None).run_action("fit picture");
     // At its own slope, where it is to be seen.
@@ -224,19 +209,17 @@ fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     // The moon, which moves as the stars do.
     window.change(|document| document.focused_mut().cursor.slope = Slope::new(0.95, 0.0)).settle();
     let pos = window.ui_from_image(pos2(92.0, 58.0)).unwrap();
-    window.shift_click_at(pos).settle();
-    window.run_action("stack and slice").settle();
+    window.shift_click_at(pos).settle().run_action("stack and slice").settle();
     let shown = window.document().panes.shown();
     let content = |window: &Window, place: usize| {
         let panes = &window.document().panes;
         panes.get(panes.shown()[place]).unwrap().content
     };
-    assert_eq!(
-        (shown.len(), content(&window, 0), content(&window, 1)),
-        (2, Content::Cursor, Content::Slice(SliceAxis::Along))
-    );
+    assert_eq!(shown.len(), 2);
+    assert_eq!(content(&window, 0), Content::Cursor);
+    assert_eq!(content(&window, 1), Content::Slice(SliceAxis::Along));
     window.snapshot("probe_slice");
-    let rect = rect_of(&window, "Slice along the motion");
+    let rect = window.rect(Role::Image, "Slice along the motion");
     // The first drag focuses the pane; the pointer is then where the line crosses the last row.
     window.click_at(rect.center());
     assert_eq!(window.document().panes.focus(), shown[1]);
@@ -259,40 +242,20 @@ fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     assert_ne!(slopes(&window)[1], before[1]);
 }
 
-#[test]
-fn a_session_comes_back_with_the_place_and_the_slice() {
-    let (_folder, file) = folder_with("probe.burstscope.toml");
-    let mut window = demo();
-    let pos = window.ui_from_image(pos2(92.0, 58.0)).unwrap();
-    window.shift_click_at(pos).run_action("stack and slice").settle();
-    let place = window.read().probed_place();
-    window.will_choose(&file).run_action("save session").settle();
-    let mut other = demo();
-    other.will_choose(&file).run_action("open session").settle();
-    let model = other.model();
-    assert!(place.is_some() && Read::of(model).probed_place() == place && model.document.probe.is_open);
-    assert_eq!(answer(&other).probe.pos_image, place.unwrap());
-    assert!(model.document.panes.iter().any(|(_, pane)| pane.content == Content::Slice(SliceAxis::Along)));
-}
-
-fn open(folder: &Path) -> Window {
-    let mut window = Start::at_slopes(&lamp(folder), SlopeGrid::line(-2.0..=2.0, 5)).open();
-    window.run_action("detect").settle();
-    window.open_tab("Tally").settle();
+fn open() -> Window {
+    let mut window = Start::at_slopes(&lamp(&folder()), SlopeGrid::line(-2.0..=2.0, 5)).open();
+    window.run_action("detect").settle().open_tab("Tally").settle();
     window
 }
 
 #[test]
 fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+    let mut window = open();
     assert!(window.read().survey_counts().is_none() && window.shows("Click a test"));
     window.click(Test::NoiseGate.reason()).settle();
-    let model = window.model();
-    let shown = Read::of(model).survey().unwrap().clone();
-    // The marks are those of the library.
-    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let cache = ProbeCache::new(burst, &Read::of(model).asked(), &Monitor::default()).unwrap();
+    let shown = window.read().survey().unwrap().clone();
+    let burst = &window.opened().burst;
+    let cache = ProbeCache::new(burst, &window.read().asked(), &Monitor::default()).unwrap();
     let options = SurveyOptions { test: Some(Test::NoiseGate), ..SurveyOptions::default() };
     assert_eq!(*shown, survey(&cache.trail, &options, &Monitor::default()).unwrap());
     assert!(!shown.marks.is_empty() && shown.marks.iter().all(|m| m.first_failed == Some(Test::NoiseGate)));
@@ -311,7 +274,6 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     window.snapshot("candidates").click("Go to candidate").settle();
     let cursor = *window.document().cursor();
     assert_eq!((cursor.octave, cursor.level), (chosen.sample.octave, chosen.sample.level));
-    // Another row replaces it; the same row again hides them.
     switch(&mut window, Test::Edge);
     let edge = window.read().survey().unwrap().clone();
     assert!(edge.marks.iter().all(|m| m.first_failed == Some(Test::Edge)));
@@ -332,12 +294,11 @@ fn press(window: &mut Window, label: &str) {
 
 #[test]
 fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+    let mut window = open();
     assert!(window.read().decoys().is_none() && !window.shows("Decoys: "), "nobody asked for them");
     press(&mut window, "False rate…");
     let shown = window.read().decoys().expect("they were asked for").clone();
-    let burst = &window.results().slots.a.burst.as_ref().unwrap().burst;
+    let burst = &window.opened().burst;
     let cache = ProbeCache::new(burst, &window.read().asked(), &Monitor::default()).unwrap();
     assert_eq!(shown.report, decoys(&cache.trail, &DecoyStudy::default(), false, &Monitor::default()).unwrap().report);
     assert!(shown.report.rates[0].found > 0 && window.shows(&format!("Decoys: {}", shown.report.sentence())));
@@ -353,23 +314,17 @@ fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
 }
 
 #[test]
-fn a_burst_too_short_for_decoys_says_why_each_time() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+fn a_burst_too_short_for_decoys_says_why_each_time_and_candidates_follow_the_parameters() {
+    let mut window = open();
     window.change(|document| document.params.frames = Some(FrameRange { start: 0, end: 3 })).run_action("detect");
     window.settle();
     for _ in 0..2 {
         press(&mut window, "False rate…");
-        let errors = &window.model().shell.messages.errors;
+        let errors = window.errors();
         assert!(errors.iter().any(|error| format!("{error:?}").contains("4 or more")), "{errors:?}");
         assert!(window.read().decoys().is_none());
     }
-}
-
-#[test]
-fn candidates_follow_the_parameters() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+    let mut window = open();
     window.click(Test::NoiseGate.reason()).settle();
     let before = window.read().survey().unwrap().clone();
     window.change(|document| document.params.octaves = 2).run_action("detect").settle();

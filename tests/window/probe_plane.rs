@@ -2,9 +2,7 @@
 //! winning slopes.
 
 use crate::support::*;
-use burstscope::app::pane::SliceAxis;
-use burstscope::inspect::place::winning_slopes;
-use burstscope::synth::random::Stream;
+use burstscope::{app::pane::SliceAxis, inspect::place::winning_slopes, synth::random::Stream};
 
 /// Discs on the left move by (1, −1), those on the right by (−1, 0.5); a `.npy` stack.
 const LEFT: Slope = Slope { u: 1.0, v: -1.0 };
@@ -22,21 +20,19 @@ fn two_motions(folder: &Path) -> PathBuf {
         (RIGHT, 206.0, 84.0),
         (RIGHT, 168.0, 124.0),
     ];
-    let array = Array3::from_shape_fn((FRAMES, SIZE.1, SIZE.0), |(t, v, u)| {
+    stack(folder, "two_motions.npy", (FRAMES, SIZE.1, SIZE.0), |(t, v, u)| {
         let dt = t as f32 - 0.5 * (FRAMES as f32 - 1.0);
         let light = |(slope, x, y): (Slope, f32, f32)| {
             let d2 = (u as f32 - x - dt * slope.u).powi(2) + (v as f32 - y - dt * slope.v).powi(2);
             (-d2 / (2.0 * 3.0 * 3.0)).exp()
         };
         0.1 + 0.12 * discs.into_iter().map(light).sum::<f32>() + 0.02 * stream.normal() as f32
-    });
-    let path = folder.join("two_motions.npy");
-    ndarray_npy::write_npy(&path, &array).unwrap();
-    path
+    })
 }
 
-fn open(folder: &Path) -> Window {
-    let mut start = Start { size: [1280.0, 800.0], ..Start::of(&two_motions(folder)) };
+fn open() -> Window {
+    let home = folder();
+    let mut start = Start { size: [1280.0, 800.0], ..Start::of(&two_motions(&home)) };
     let slopes = SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5);
     start.startup.params = DetectorParams { slopes, ..DetectorParams::default() }.into();
     let mut window = start.open();
@@ -44,7 +40,6 @@ fn open(folder: &Path) -> Window {
     window
 }
 
-/// Selects the strongest feature and probes it.
 fn probe_strongest(window: &mut Window) -> Feature {
     window.key(Key::Home).click("Why?").settle();
     let feature = *window.read().selected_feature().expect("there is one");
@@ -53,19 +48,14 @@ fn probe_strongest(window: &mut Window) -> Feature {
     feature
 }
 
-fn rect_of(window: &Window, label: &str) -> Rect {
-    window.harness.get_by_role_and_label(Role::Image, label).rect()
-}
-
 #[test]
 fn the_probe_shows_the_response_over_both_slopes() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+    let mut window = open();
     let feature = probe_strongest(&mut window);
     // Makes space for the widgets below.
     window.harness.get_by_label("Candidates here").click();
     window.settle();
-    let rect = rect_of(&window, "Response over both slopes");
+    let rect = window.rect(Role::Image, "Response over both slopes");
     assert!(window.harness.ctx.content_rect().contains_rect(rect), "{rect:?}");
     let plane = window.results().probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
     let (columns, rows) = plane.snr.size();
@@ -84,7 +74,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
     assert!(model.document.focused().shows(ViewKind::Dog));
     assert_eq!((cursor.octave, cursor.level), (scale.octave, scale.level));
     // A click in a row of the upper map sets the scale of the lower one.
-    let above = rect_of(&window, "Response over slope and scale");
+    let above = window.rect(Role::Image, "Response over slope and scale");
     window.click_at(pos2(above.center().x, above.top() + 0.7 * above.height())).settle();
     let coarser = window.results().probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
     assert!(coarser.scale.sigma > scale.sigma, "{} {}", coarser.scale.sigma, scale.sigma);
@@ -92,8 +82,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
 
 #[test]
 fn across_the_motion_a_slice_shows_what_is_left_of_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+    let mut window = open();
     let feature = probe_strongest(&mut window);
     window.run_action("stack and slice").settle();
     let shown = window.document().panes.shown();
@@ -107,7 +96,7 @@ fn across_the_motion_a_slice_shows_what_is_left_of_it() {
     assert!(on(across, feature.slope).abs() < 0.02, "along its own motion nothing moves across");
     window.snapshot("probe_slice_across");
     // The line of the slope is dragged sideways: only the slope's component across the motion changes.
-    let rect = rect_of(&window, "Slice across the motion");
+    let rect = window.rect(Role::Image, "Slice across the motion");
     window.click_at(rect.center());
     let slope = |window: &Window| window.document().panes.get(shown[2]).unwrap().cursor.slope;
     let before = slope(&window);
@@ -122,19 +111,16 @@ fn across_the_motion_a_slice_shows_what_is_left_of_it() {
 
 #[test]
 fn the_winning_slope_is_a_picture_of_the_motion() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+    let mut window = open();
     let feature = probe_strongest(&mut window);
-    window.app_mut().model.document.focused_mut().cursor.octave = feature.octave;
-    window.app_mut().model.document.focused_mut().cursor.level = feature.level;
+    window.set().focused_mut().cursor.octave = feature.octave;
+    window.set().focused_mut().cursor.level = feature.level;
     // The features would cover it.
     window.key(Key::O).shift(Key::V).settle();
-    let model = window.model();
-    assert_eq!(model.document.focused().content, Content::Map(ViewKind::Motion));
-    let picture = Read::of(model).picture().unwrap();
+    assert_eq!(window.document().focused().content, Content::Map(ViewKind::Motion));
+    let picture = window.read().picture().unwrap();
     let motion = picture.motion.clone().expect("a map of the motion");
-    // It equals the library's map of this detection.
-    let trail = &model.results.probed.answer.as_ref().unwrap().request.traced.cache.trail;
+    let trail = &window.results().probed.answer.as_ref().unwrap().request.traced.cache.trail;
     let expected = winning_slopes(trail, feature.octave, feature.level, &Monitor::default()).unwrap();
     let slopes: Vec<Slope> = trail.params().used_slopes().slopes().collect();
     let (width, height) = expected.snr.size();
@@ -149,9 +135,7 @@ fn the_winning_slope_is_a_picture_of_the_motion() {
         assert!((wins.u - slope.u).hypot(wins.v - slope.v) < 0.8 && sure > 0.0, "{wins:?} {slope:?} {sure}");
     }
     assert_eq!(at(120.0, 20.0).1, 0.0, "where nothing is, nothing is sure");
-    // The value under the pointer is the slope.
-    let place = window.ui_from_image(pos2(74.0, 92.0)).unwrap();
-    window.hover(place).steps(3);
+    window.hover(window.ui_from_image(pos2(74.0, 92.0)).unwrap()).steps(3);
     assert!(window.shows("px/frame, ") && window.shows("sure "));
     window.snapshot("winning_slope_map");
 }

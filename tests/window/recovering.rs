@@ -16,7 +16,8 @@ fn small() -> (Burst, DetectorParams) {
 }
 
 /// The window with the small burst as a case, with its search and a place to probe.
-fn with_case(home: &Path) -> Window {
+fn with_case() -> (Folder, Window) {
+    let home = folder();
     let (burst, params) = small();
     let (case, part) = Case::of(&burst, &params.into(), (Some([120.0, 90.0]), None), "a note", &Monitor::default())
         .expect("nobody cancels");
@@ -24,43 +25,46 @@ fn with_case(home: &Path) -> Window {
     write_case(&path, (&case, &part), &Enclosed::default(), &Monitor::default()).expect("written");
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
     window.will_choose(&path).run_action("open files").settle();
-    window
+    (home, window)
 }
 
 #[test]
-fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
-    let home = tempfile::tempdir().expect("a folder");
-    let mut window = with_case(home.path());
-    let model = window.model();
+fn a_case_opens_like_a_burst_and_a_damaged_one_is_said_once() {
+    let (home, mut window) = with_case();
     let (burst, params) = small();
-    assert_eq!(model.results.slots.a.burst.as_ref().expect("open").burst.frames, burst.frames);
-    assert_eq!(model.document.params.slopes, params.slopes.into());
-    assert_eq!(Read::of(model).probed_place(), Some([120.0, 90.0]));
+    assert_eq!(window.opened().burst.frames, burst.frames);
+    assert_eq!(window.document().params.slopes, params.slopes.into());
+    assert_eq!(window.read().probed_place(), Some([120.0, 90.0]));
     // Another ending is refused, as the file could not be opened again.
-    window.will_choose(home.path().join("again.png")).run_action("save case").wait_for_error();
-    assert!(window.shows("name the file .burstcase") && !home.path().join("again.png").exists());
-    // Saved again, it is the same case.
-    let again = home.path().join("again.burstcase");
+    window.will_choose(home.join("again.png")).run_action("save case").wait_for_error();
+    assert!(window.shows("name the file .burstcase") && !home.join("again.png").exists());
+    let again = home.join("again.burstcase");
     window.will_choose(&again).run_action("save case").wait("it is written", |_| again.is_file()).settle();
     let read = burstscope::export::case::read_about(&again).expect("a case");
     assert_eq!((read.place, read.search.slopes), (Some([120.0, 90.0]), params.slopes.into()));
+    let (_home, path) = folder_with("damaged.burstcase");
+    fs::write(&path, b"PK\x03\x04 and no more").expect("written");
+    let mut window = Start::of(&path).open();
+    let errors = window.errors();
+    assert!(errors.len() == 1 && errors[0].text.contains("damaged.burstcase"), "{errors:?}");
+    assert!(window.results().slots.a.burst.is_none());
+    window.run_action("Open demo burst").settle();
+    assert!(window.results().slots.a.burst.is_some());
 }
 
 #[test]
 fn a_case_restores_the_view_in_which_it_was_saved() {
-    let home = tempfile::tempdir().expect("a folder");
-    let mut window = with_case(home.path());
+    let (home, mut window) = with_case();
     window.run_action("pin this result").settle();
     window.run_action("split right").change(|document| document.filter.hide_slope_limit = true);
-    window.app_mut().model.document.params.edge_threshold = 8.0;
+    window.set().params.edge_threshold = 8.0;
     window.change(|document| document.lab.planted.copies = 3).settle();
     let before = window.document().panes.arrangement().in_rows();
     assert_eq!(before.iter().flatten().count(), 2);
-    let kept = home.path().join("kept.burstcase");
+    let kept = home.join("kept.burstcase");
     window.will_choose(&kept).run_action("save case").wait("it is written", |_| kept.is_file()).settle();
     let session = read_session(&kept).expect("read").expect("a session");
-    assert!(!session.contains(&home.path().display().to_string()), "no path of this machine: {session}");
-    // Another window opens it.
+    assert!(!session.contains(&home.display().to_string()), "no path of this machine: {session}");
     let mut other = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
     other.will_choose(&kept).run_action("open files").settle();
     let (model, was) = (other.model(), window.model());
@@ -81,53 +85,46 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     let hostile = session.replacen("[document]", "[document.gold.a]\npaths = [\"/etc/passwd\"]\n\n[document]", 1);
     let (case, part) =
         Case::of(&small().0, &small().1.into(), (None, None), "", &Monitor::default()).expect("nobody cancels");
-    let path = home.path().join("hostile.burstcase");
+    let path = home.join("hostile.burstcase");
     for text in [hostile, "not a session".to_owned()] {
         let enclosed = Enclosed { session: Some(text), truth: None };
         write_case(&path, (&case, &part), &enclosed, &Monitor::default()).expect("written");
         other.will_choose(&path).run_action("open files").settle();
-        let model = other.model();
-        assert_eq!(model.results.slots.a.burst.as_ref().expect("open").burst.sources, std::slice::from_ref(&path));
-        assert!(!model.shell.messages.errors.iter().any(|error| error.text.contains("passwd")));
+        assert_eq!(other.opened().burst.sources, std::slice::from_ref(&path));
+        assert!(!other.errors().iter().any(|error| error.text.contains("passwd")));
     }
-    let errors = &other.model().shell.messages.errors;
+    let errors = other.errors();
     assert!(errors.iter().any(|error| error.text.contains("hostile.burstcase")), "{errors:?}");
 }
 
 #[test]
-fn a_damaged_case_opens_a_window_that_says_so_once() {
-    let (_home, path) = folder_with("damaged.burstcase");
-    fs::write(&path, b"PK\x03\x04 and no more").expect("written");
-    let mut window = Start::of(&path).open();
-    let errors = &window.model().shell.messages.errors;
-    assert!(errors.len() == 1 && errors[0].text.contains("damaged.burstcase"), "{errors:?}");
-    assert!(window.results().slots.a.burst.is_none());
-    window.run_action("Open demo burst").settle();
-    assert!(window.results().slots.a.burst.is_some());
-}
-
-#[test]
-fn a_film_says_its_size_and_rate() {
-    let home = tempfile::tempdir().expect("a folder");
-    let mut window = with_case(home.path());
+fn a_film_says_its_size_and_rate_and_other_ways_to_add_frames_are_pictures_of_a_pane() {
+    let (home, mut window) = with_case();
     window.run_action("export film").settle();
     assert!(window.shows("9 pictures of") && window.shows("10 a second: 0.9 s; about"));
     window.harness.get_by_label("Scales").click();
     window.settle();
     assert_eq!(window.document().film.content, FilmContent::Scales);
     assert!(!window.shows("9 pictures of"));
-    window.app_mut().model.document.film.content = FilmContent::Slopes;
-    let path = home.path().join("sweep.gif");
+    window.set().film.content = FilmContent::Slopes;
+    let path = home.join("sweep.gif");
     window.will_choose(&path).click("Export…").wait("it is written", |_| path.is_file()).settle();
     // The extension that gives each picture its time.
     let bytes = fs::read(&path).expect("a file");
     assert_eq!(bytes.windows(3).filter(|window| *window == [0x21, 0xf9, 4]).count(), 9);
+    let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
+    window.run_action("show median").settle();
+    let median = window.read().picture().expect("a picture").plane.clone();
+    window.run_action("show mean minus median").settle();
+    let difference = window.read().picture().expect("a picture").plane.clone();
+    assert_eq!(median.size(), difference.size());
+    assert_ne!(median, difference);
+    window.snapshot("mean_minus_median");
 }
 
 #[test]
 fn things_are_planted_in_the_open_burst_and_one_is_probed() {
-    let home = tempfile::tempdir().expect("a folder");
-    let mut window = with_case(home.path());
+    let (home, mut window) = with_case();
     window.run_action("lab").click("In this burst").change(|document| document.lab.planted.copies = 6);
     window.click("Run study");
     window.wait("the study is finished", |app| {
@@ -154,15 +151,12 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     let thing = window.read().selected_thing().expect("one was missed").clone();
     assert!(thing.found.is_none() && window.shows("Missed, "));
     window.snapshot("lab_in_this_burst").click("Probe planted thing").settle();
-    let model = window.model();
-    assert_eq!(model.document.workspace, Workspace::Inspect);
-    let source = &model.results.slots.a.burst.as_ref().expect("open").source;
+    assert_eq!(window.document().workspace, Workspace::Inspect);
+    let source = &window.opened().source;
     assert!(matches!(source, BurstSource::Planted { seed, .. } if *seed == thing.seed), "{source:?}");
-    let place = Read::of(model).probed_place().expect("probed");
+    let place = window.read().probed_place().expect("probed");
     assert!((f64::from(place[0]) - thing.truth.u).abs() < 0.01 && (f64::from(place[1]) - thing.truth.v).abs() < 0.01);
-    // The copy is compared with the truth of what is planted in it.
-    window.run_action("detect").settle();
-    window.run_action("compare with the truth").settle();
+    window.run_action("detect").settle().run_action("compare with the truth").settle();
     let against = &window.results().slots.a.comparison;
     assert_eq!(window.document().comparisons.a.with, Some(Reference::Truth));
     let of_copy = report.planted.iter().filter(|one| one.seed == thing.seed);
@@ -172,11 +166,9 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     let (told, rest) = shown.split_once(&format!(" of {} found", of_copy.count())).expect("counted");
     let told: usize = told.parse().expect("a number");
     assert!(told == found || told < found && rest.contains("wrong motion"), "{found} planted found, {shown}");
-    // A case keeps both.
-    let kept = home.path().join("planted.burstcase");
+    let kept = home.join("planted.burstcase");
     window.will_choose(&kept).run_action("save case").wait("it is written", |_| kept.is_file()).settle();
-    let truth = read_truth(&kept).expect("read").expect("a truth");
-    assert_eq!(truth.seed, thing.seed);
+    assert_eq!(read_truth(&kept).expect("read").expect("a truth").seed, thing.seed);
     window.will_choose(&kept).run_action("open files").settle();
     let against = &window.results().slots.a.comparison;
     let (found, _) = shown.split_once(" missed").expect("counted");
@@ -189,56 +181,40 @@ fn slopes_from_the_set_up_are_applied_as_the_command_computes_them() {
     window.change(|document| document.bottom_tab = BottomTab::Slopes).settle();
     window.run_action("slopes from the set-up").settle();
     let expected = {
-        let model = window.model();
-        model
+        window
+            .model()
             .document
             .set_up
             .values
-            .slopes(&Read::of(model).used_positions(), &model.document.params.at_given())
+            .slopes(&window.read().used_positions(), &window.document().params.at_given())
             .expect("valid")
             .grid
     };
     window.click_on(Role::Button, "Apply set-up").steps(3);
-    let model = window.model();
-    assert_eq!(model.document.params.slopes, expected.into());
+    assert_eq!(window.document().params.slopes, expected.into());
 }
 
 #[test]
 fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
     let mut window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
     // A camera that moves to the left with 6 cm/s: 2.4 px/frame is 1 m.
-    window.app_mut().model.document.set_up.values =
+    window.set().set_up.values =
         SetUp { speed_m_s: 0.06, direction_deg: 180.0, depth_m: [0.5, 8.0], ..SetUp::default() };
-    window.run_action("slopes from the set-up").settle();
-    window.click_on(Role::CheckBox, "Read slopes as depths").settle();
+    window.run_action("slopes from the set-up").settle().click_on(Role::CheckBox, "Read slopes as depths").settle();
     window.snapshot("slopes_from_set_up").change(|document| document.bottom_tab = BottomTab::Table).settle();
     window.click("Sort by Depth").settle();
-    let model = window.model();
     let depth_of = |i: &usize| {
-        model.document.set_up.values.depth_at(Read::of(model).features()[*i].motion().0).map(|metres| metres as f32)
+        window.document().set_up.values.depth_at(window.read().features()[*i].motion().0).map(|metres| metres as f32)
     };
-    let depths: Vec<Option<f32>> = model.results.listed.iter().map(depth_of).collect();
+    let depths: Vec<Option<f32>> = window.results().listed.iter().map(depth_of).collect();
     let known = depths.iter().take_while(|depth| depth.is_some()).count();
     assert!(known > 10 && known < depths.len(), "features of both directions: {known} of {}", depths.len());
     assert!(depths[..known].is_sorted() && depths[known..].iter().all(Option::is_none));
     window.change(|document| document.colour_by = ColourBy::Of(Quantity::Depth)).settle();
     assert!(window.shows("Legend: depth from 0.5 to 8 m"));
     // As a session it is kept; switched off, the colours show slopes again.
-    let session = Session::of(window.read()).expect("a burst is open");
-    assert_eq!(session.document.set_up, window.document().set_up);
+    assert_eq!(Session::of(window.read()).expect("a burst is open").document.set_up, window.document().set_up);
     window.change(|document| document.bottom_tab = BottomTab::Slopes).settle();
     window.click_on(Role::CheckBox, "Read slopes as depths").settle();
     assert_eq!(window.document().colour_by, ColourBy::SlopeDirection);
-}
-
-#[test]
-fn other_ways_to_add_frames_are_pictures_of_a_pane() {
-    let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
-    window.run_action("show median").settle();
-    let median = window.read().picture().expect("a picture").plane.clone();
-    window.run_action("show mean minus median").settle();
-    let difference = window.read().picture().expect("a picture").plane.clone();
-    assert_eq!(median.size(), difference.size());
-    assert_ne!(median, difference);
-    window.snapshot("mean_minus_median");
 }

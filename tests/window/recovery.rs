@@ -1,20 +1,16 @@
 //! The automatically saved session, and the offer after an unexpected end.
 
 use crate::support::*;
-use burstscope::app::offscreen::Offscreen;
-use burstscope::app::recovery::{KeptIn, Record};
-use burstscope::app::{BurstscopeApp, EndRequest, gpu};
+use burstscope::app::{BurstscopeApp, EndRequest, gpu, offscreen::Offscreen, recovery::KeptIn, recovery::Record};
 use std::time::SystemTime;
 
 const OFFER: &str = "was not closed";
 
-/// Start of a window that saves its session in `folder`, after each change.
 fn keeping(folder: &Path, start: Start) -> Start {
     let kept = Some(KeptIn { folder: folder.to_owned(), every: Duration::ZERO });
     Start { startup: Startup { kept, ..start.startup }, ..start }
 }
 
-/// Sessions saved in `folder`.
 fn sessions(folder: &Path) -> Vec<Session> {
     let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let texts = files.filter(|path| path.extension().is_some_and(|e| e == "toml"));
@@ -28,7 +24,7 @@ fn end_in_the_ordinary_way(mut window: Window) {
 #[test]
 fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     let (home, folder) = folder_with("running");
-    let stack = noisy_stack(home.path(), 5, 96, 128);
+    let stack = noisy_stack(&home, 5, 96, 128);
     let mut window = keeping(&folder, Start::of(&stack)).open();
     assert!(!window.shows(OFFER));
     window.slide("Slope u", 1.25);
@@ -36,12 +32,9 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
         sessions(&folder).iter().any(|session| session.document.panes.of(Side::A).cursor.slope == Slope::new(1.25, 0.0))
     };
     window.wait("the session is kept", |_| kept_slope()).settle();
-
-    // Another running window does not offer the session, which is still in use.
     let other = keeping(&folder, Start::nothing_open()).open();
     assert!(!other.shows(OFFER));
     end_in_the_ordinary_way(other);
-
     // The first window ends unexpectedly.
     drop(window);
     let mut next = keeping(&folder, Start::without_auto_detect()).open();
@@ -56,7 +49,6 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     drop(next);
     let next = keeping(&folder, Start::nothing_open()).open();
     assert!(next.shows(OFFER));
-    // Unanswered, it is offered again, and asked about later too.
     end_in_the_ordinary_way(next);
     let mut later = keeping(&folder, Start::nothing_open()).open();
     later.click("Later").settle();
@@ -73,7 +65,7 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
 }
 
 #[test]
-fn an_offer_that_cannot_be_restored_stays() {
+fn an_offer_that_cannot_be_restored_stays_and_where_nothing_can_be_kept_that_is_said() {
     let (_home, folder) = folder_with("running");
     let record = Record::new(&folder).unwrap();
     record.write("version = 4\nburst = { paths = [\"/nowhere/frames\"] }\n").unwrap();
@@ -82,34 +74,29 @@ fn an_offer_that_cannot_be_restored_stays() {
     window.click("Restore").wait_for_error();
     assert!(window.shows("/nowhere/frames") && window.shows(OFFER));
     assert_eq!(sessions(&folder).len(), 1);
-}
-
-#[test]
-fn where_nothing_can_be_kept_that_is_said() {
     let (_home, file) = folder_with("file");
     fs::write(&file, "").unwrap();
-    let window = keeping(&file.join("running"), Start::nothing_open()).open();
-    assert!(window.shows("Save the session by itself"));
+    assert!(keeping(&file.join("running"), Start::nothing_open()).open().shows("Save the session by itself"));
 }
 
 #[test]
 fn the_offer_looks_like_this() {
-    let home = tempfile::tempdir().unwrap();
+    let home = folder();
     for (name, minutes) in [("lanterns", 90), ("harbour", 150)] {
-        let record = Record::new(home.path()).unwrap();
+        let record = Record::new(&home).unwrap();
         record.write(&format!("version = 4\nburst = {{ paths = [\"/data/{name}\"] }}\n")).unwrap();
         let then = SystemTime::now() - Duration::from_secs(60 * minutes + 20);
         fs::File::options().write(true).open(&record.session).unwrap().set_modified(then).unwrap();
     }
-    let mut window = keeping(home.path(), Start::nothing_open()).open();
+    let mut window = keeping(&home, Start::nothing_open()).open();
     window.harness.get_by_role_and_label(Role::Button, "Restore");
     window.snapshot("flat/recovery_offer");
 }
 
 #[test]
 fn a_window_whose_device_is_lost_closes_to_go_on_and_is_kept() {
-    let home = tempfile::tempdir().unwrap();
-    let mut start = keeping(home.path(), Start::without_auto_detect());
+    let home = folder();
+    let mut start = keeping(&home, Start::without_auto_detect());
     // No automatic saving in this test.
     start.startup.kept.as_mut().unwrap().every = Duration::from_secs(3600);
     let mut device = None;
@@ -119,8 +106,7 @@ fn a_window_whose_device_is_lost_closes_to_go_on_and_is_kept() {
         BurstscopeApp::new(&cc.egui_ctx, cc.wgpu_render_state.as_ref(), start.startup)
     });
     let mut window = Window { harness, dialogs: Default::default() };
-    window.settle();
-    window.slide("Slope u", -1.5);
+    window.settle().slide("Slope u", -1.5);
     let commands = |window: &Window| window.harness.output().viewport_output[&egui::ViewportId::ROOT].commands.clone();
     assert!(!commands(&window).contains(&egui::ViewportCommand::Close));
     let device = device.unwrap();
@@ -129,13 +115,11 @@ fn a_window_whose_device_is_lost_closes_to_go_on_and_is_kept() {
     window.harness.step();
     assert!(commands(&window).contains(&egui::ViewportCommand::Close));
     assert!(
-        sessions(home.path())
-            .iter()
-            .any(|session| session.document.panes.of(Side::A).cursor.slope == Slope::new(-1.5, 0.0))
+        sessions(&home).iter().any(|session| session.document.panes.of(Side::A).cursor.slope == Slope::new(-1.5, 0.0))
     );
     // The drawing ends; if no other device is found, the session is offered at the next start.
     end_in_the_ordinary_way(window);
-    assert!(keeping(home.path(), Start::nothing_open()).open().shows(OFFER));
+    assert!(keeping(&home, Start::nothing_open()).open().shows(OFFER));
 }
 
 #[test]
@@ -150,7 +134,7 @@ fn a_window_that_is_asked_to_end_from_outside_finishes_its_files_and_keeps_its_s
     window.slide("Slope u", -1.5);
     let commands = |window: &Window| window.harness.output().viewport_output[&egui::ViewportId::ROOT].commands.clone();
     assert!(!commands(&window).contains(&egui::ViewportCommand::Close));
-    let file = home.path().join("params.toml");
+    let file = home.join("params.toml");
     window.will_choose(&file).run_action("save parameters").wait("the file is chosen", |app| !app.is_asking());
     std::thread::scope(|scope| {
         scope.spawn(|| end.make());
@@ -170,8 +154,8 @@ fn a_window_that_is_asked_to_end_from_outside_finishes_its_files_and_keeps_its_s
 #[cfg(unix)]
 #[test]
 fn a_session_that_could_not_be_written_is_written_later() {
-    let home = tempfile::tempdir().unwrap();
-    let (folder, aside) = (home.path().join("running"), home.path().join("aside"));
+    let home = folder();
+    let (folder, aside) = (home.join("running"), home.join("aside"));
     let mut window = keeping(&folder, Start::without_auto_detect()).open();
     window.wait("the session is kept", |_| !sessions(&folder).is_empty()).settle();
     // A file in the place of the folder: nothing can be written there.
@@ -194,8 +178,7 @@ fn a_session_that_could_not_be_written_is_written_later() {
 
 #[test]
 fn the_window_is_the_same_on_a_new_device() {
-    let size = vec2(1000.0, 640.0);
-    let mut offscreen = Offscreen::new(size, 1.0, gpu::AdapterChoice::Software).unwrap();
+    let mut offscreen = Offscreen::new(vec2(1000.0, 640.0), 1.0, gpu::AdapterChoice::Software).unwrap();
     let startup = Start::without_auto_detect().startup;
     let mut app = BurstscopeApp::new(&offscreen.context, None, startup);
     let mut settled = 0;

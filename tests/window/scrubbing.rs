@@ -5,28 +5,22 @@ use crate::support::*;
 use burstscope::app::view::View;
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::engine::{Engine, Wanted};
-use burstscope::plane::Mask;
-use burstscope::plane::statistics::Region;
+use burstscope::plane::{Mask, statistics::Region};
 use std::ops::Range;
 
 #[test]
-fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
+fn sliders_and_keys_move_the_slope_the_kind_the_frame_and_the_scale_that_are_shown() {
     let mut window = Start::without_auto_detect().open();
     let before = window.read().picture().cloned().unwrap();
     window.slide("Slope u", 1.37).settle();
-    let model = window.model();
-    let after = Read::of(model).picture().cloned().unwrap();
+    let after = window.read().picture().cloned().unwrap();
     assert_ne!(before.plane, after.plane);
-    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let slope = Slope::new(model.document.cursor().slope.u, 0.0);
+    let burst = &window.opened().burst;
+    let slope = Slope::new(window.document().cursor().slope.u, 0.0);
     assert!((slope.u - 1.37).abs() < 1e-6, "slopes between the grid's are shown");
-    let expected = stack_view(burst, &model.document.params.at_given(), slope, &Monitor::default()).unwrap();
+    let expected = stack_view(burst, &window.document().params.at_given(), slope, &Monitor::default()).unwrap();
     assert_eq!(*after.plane, expected);
     assert!(window.shows("slope (1.37, 0.00) px/frame"));
-}
-
-#[test]
-fn keys_step_through_the_grid_and_snap_to_it() {
     let mut window = Start::without_auto_detect().open();
     window.key(Key::ArrowRight);
     assert_eq!(window.document().cursor().slope, Slope::new(1.0, 0.0));
@@ -34,28 +28,21 @@ fn keys_step_through_the_grid_and_snap_to_it() {
     assert_eq!(window.document().cursor().slope, Slope::new(0.0, 0.0));
     window.slide("Slope u", 1.8).key(Key::G);
     assert_eq!(window.document().cursor().slope, Slope::new(2.0, 0.0));
-}
-
-#[test]
-fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
-    let mut window = Start::without_auto_detect().open();
     window.key(Key::Num1).settle();
-    let model = window.model();
-    let frame = model.results.slots.a.burst.as_ref().unwrap().burst.frames[model.document.cursor().frame].clone();
-    assert_eq!(Read::of(model).picture().unwrap().plane, frame);
+    let frame = window.opened().burst.frames[window.document().cursor().frame].clone();
+    assert_eq!(window.read().picture().unwrap().plane, frame);
     window.key(Key::Num3).slide("Octave", 1.0).settle();
-    let model = window.model();
-    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
+    let burst = &window.opened().burst;
     let expected = dog_view(
         burst,
-        &model.document.params.at_given(),
-        model.document.cursor().slope,
+        &window.document().params.at_given(),
+        window.document().cursor().slope,
         1,
-        model.document.cursor().level,
+        window.document().cursor().level,
         &Monitor::default(),
     )
     .unwrap();
-    assert_eq!(*Read::of(model).picture().unwrap().plane, expected);
+    assert_eq!(*window.read().picture().unwrap().plane, expected);
     assert!(window.shows("octave 1"));
     window.slide("Frame", 7.0).settle();
     assert_eq!((window.document().cursor().kind, window.document().cursor().frame), (ViewKind::Frame, 7));
@@ -107,8 +94,7 @@ fn a_large_stack_is_previewed_at_the_resolution_at_which_it_is_seen() {
     // Not where nearly all is seen, nor where it is quick, nor where it would not show what a mask hides.
     let slope = Slope::new(1.0, 0.0);
     assert_eq!(of(&large, slope).previewed(0.7, all).preview, None);
-    let small = large_burst(vec![Plane::zeros(400, 300); 3]);
-    assert_eq!(of(&small, slope).previewed(0.3, some).preview, None);
+    assert_eq!(of(&large_burst(vec![Plane::zeros(400, 300); 3]), slope).previewed(0.3, some).preview, None);
     let mask = Mask::new(Plane::from_fn(2100, 1500, |u, _| f32::from(u > 9))).expect("hides some");
     let masked = large_burst(vec![large_frame(0).masked(Some(mask)), large_frame(1)]);
     assert_eq!(of(&masked, slope).previewed(0.3, some).preview, None);
@@ -150,7 +136,7 @@ fn a_preview_is_drawn_and_nothing_is_read_from_it() {
         }
         window.settle();
         assert!(window.read().drawn_in(id)[1].is_none());
-        let burst = &window.results().slots.a.burst.as_ref().unwrap().burst;
+        let burst = &window.opened().burst;
         let params = window.document().params.at_given();
         let expected = stack_view(burst, &params, slope, &Monitor::default()).unwrap();
         assert_eq!(*window.read().picture().unwrap().plane, expected);
@@ -158,7 +144,7 @@ fn a_preview_is_drawn_and_nothing_is_read_from_it() {
 }
 
 #[test]
-fn the_range_stays_while_the_hand_moves() {
+fn the_range_stays_while_the_hand_moves_and_playing_runs_through_the_slopes_until_it_is_paused() {
     let mut window = Start::without_auto_detect().open();
     let before = window.document().look.ranges.intensity;
     for slope in [-2.0, 0.7, 2.9] {
@@ -166,30 +152,6 @@ fn the_range_stays_while_the_hand_moves() {
     }
     window.key(Key::Num1).settle();
     assert_eq!(window.document().look.ranges.intensity, before);
-}
-
-#[test]
-fn no_tooltip_lies_over_the_next_slider_while_one_is_dragged() {
-    let mut window = Start::without_auto_detect().open();
-    let help = "Index from 0; moving it shows the frame";
-    let slider = window.harness.get_by_role_and_label(Role::Slider, "Frame").rect();
-    let (from, before) = (slider.center(), window.document().cursor().frame);
-    window.hover(from).steps(60);
-    assert!(window.shows(help), "whoever rests on a slider is told what it does");
-    window.harness.drag_at(from);
-    window.harness.run_steps(2);
-    let to = from + vec2(0.3 * slider.width(), 2.0);
-    for part in [0.2, 0.6, 1.0] {
-        window.hover(from + part * (to - from)).steps(60);
-        assert!(!window.shows(help), "at {part} of the way");
-    }
-    window.harness.drop_at(to);
-    window.settle();
-    assert!(window.document().cursor().frame > before);
-}
-
-#[test]
-fn playing_runs_through_the_slopes_until_it_is_paused() {
     let mut window = Start::without_auto_detect().open();
     let first = window.document().cursor().slope;
     window.click("▶ Play").wait("another slope", |app| app.model.document.cursor().slope != first);
@@ -203,10 +165,30 @@ fn playing_runs_through_the_slopes_until_it_is_paused() {
 }
 
 #[test]
+fn no_tooltip_lies_over_the_next_slider_while_one_is_dragged() {
+    let mut window = Start::without_auto_detect().open();
+    let help = "Index from 0; moving it shows the frame";
+    let slider = window.rect(Role::Slider, "Frame");
+    let (from, before) = (slider.center(), window.document().cursor().frame);
+    window.hover(from).steps(60);
+    assert!(window.shows(help), "whoever rests on a slider is told what it does");
+    window.harness.drag_at(from);
+    window.steps(2);
+    let to = from + vec2(0.3 * slider.width(), 2.0);
+    for part in [0.2, 0.6, 1.0] {
+        window.hover(from + part * (to - from)).steps(60);
+        assert!(!window.shows(help), "at {part} of the way");
+    }
+    window.harness.drop_at(to);
+    window.settle();
+    assert!(window.document().cursor().frame > before);
+}
+
+#[test]
 fn filmstrip() {
-    let home = tempfile::tempdir().unwrap();
-    let source = walk(home.path());
-    fs::write(home.path().join("film/frame_012.png"), "broken").unwrap();
+    let home = folder();
+    let source = walk(&home);
+    fs::write(home.join("film/frame_012.png"), "broken").unwrap();
     let mut window = start(source).open();
     window.click("Detect all").settle();
     click_burst(&mut window, "Use frame_002 as A");
@@ -224,7 +206,6 @@ fn filmstrip() {
     window.snapshot("filmstrip");
 }
 
-/// Whether the line below the picture of the burst with this label has a green mark.
 fn has_green_mark(window: &mut Window, label: &str) -> bool {
     let cell = window.harness.get_by_label_contains(label).rect();
     let image = window.harness.render().expect("a picture");
@@ -236,8 +217,8 @@ fn has_green_mark(window: &mut Window, label: &str) -> bool {
 
 #[test]
 fn a_burst_without_features_is_not_marked_as_good() {
-    let home = tempfile::tempdir().unwrap();
-    let source = walk(home.path());
+    let home = folder();
+    let source = walk(&home);
     let detected = |start: Start| {
         let mut window = start.open();
         window.click("Detect all").settle();
@@ -245,8 +226,8 @@ fn a_burst_without_features_is_not_marked_as_good() {
     };
     let mut window = detected(start(source));
     assert!(has_green_mark(&mut window, "Burst frame_002: "), "with features it is");
-    let other = tempfile::tempdir().unwrap();
-    let mut strict = start(walk(other.path()));
+    let other = folder();
+    let mut strict = start(walk(&other));
     strict.startup.params.peak_threshold = 0.9;
     let mut window = detected(strict);
     assert!(window.shows("Burst frame_002: no features") && window.shows("3 bursts, 3 done"));

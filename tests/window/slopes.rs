@@ -2,9 +2,7 @@
 //! by coherence, which show how evenly the frames respond along each feature's motion.
 
 use crate::support::*;
-use burstscope::app::document::cursor::slope_limit;
-use burstscope::inspect::place::judged;
-use burstscope::synth::random::Stream;
+use burstscope::{app::document::cursor::slope_limit, inspect::place::judged, synth::random::Stream};
 
 fn grid(window: &Window) -> SlopeGrid {
     window.read().grid_of(Side::A)
@@ -15,44 +13,20 @@ fn is_auto(window: &Window) -> bool {
 }
 
 #[test]
-fn the_demo_opens_with_its_slopes_found_and_shown() {
+fn the_demo_opens_with_its_slopes_found_and_shown_and_presets_give_ranges_and_reset_all_finds_them() {
     let window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
-    let model = window.model();
-    let found = model.results.slots.a.found.as_ref().unwrap();
+    let found = window.found();
     let finding = found.finding.as_ref().unwrap();
     assert!(is_auto(&window) && finding.verdict == SlopeVerdict::Found);
     assert_eq!((grid(&window), found.params.slopes), (finding.grid, finding.grid));
-    assert!(finding.grid.is_plane() && Read::of(model).stale().is_none());
+    assert!(finding.grid.is_plane() && window.read().stale().is_none());
     let (u, v) = (finding.grid.u, finding.grid.v);
     let number = |x| burstscope::inspect::words::number(x, 3);
     let text =
         |name, axis: SlopeAxis| format!("{name} {} to {} in {} slopes", number(axis.min), number(axis.max), axis.count);
     assert!(window.shows(&format!("; found: {}, {}", text("u", u), text("v", v))));
-    // The sliders range over the found slopes.
-    assert!(slope_limit(&model.results.slots.a.usable_params.slopes) >= finding.grid.max_magnitude());
-    assert_eq!(model.results.slots.a.usable_params.slopes, finding.grid);
-}
-
-#[test]
-fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
-    let mut window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
-    let found = grid(&window);
-    window.click_on(Role::CheckBox, "Auto slopes").settle();
-    assert_eq!((is_auto(&window), grid(&window)), (false, found));
-    assert!(window.results().slots.a.found.as_ref().unwrap().finding.is_none());
-    window.click("Reset Slopes").settle();
-    assert_eq!((is_auto(&window), grid(&window)), (true, found));
-    // A range edited by hand is given. Those that are found have no fields.
-    assert!(window.harness.query_by_role_and_label(Role::SpinButton, "Slopes v").is_none());
-    window.click_on(Role::CheckBox, "Auto slopes").settle();
-    window.harness.get_all_by_role_and_label(Role::SpinButton, "Slopes v").nth(2).unwrap().set_value_accesskit(3.0);
-    window.settle();
-    assert_eq!((is_auto(&window), grid(&window).v.count), (false, 3));
-    assert_eq!((grid(&window).u, window.results().slots.a.found.as_ref().unwrap().params.slopes.v.count), (found.u, 3));
-}
-
-#[test]
-fn presets_give_ranges_and_reset_all_finds_them() {
+    assert!(slope_limit(&window.results().slots.a.usable_params.slopes) >= finding.grid.max_magnitude());
+    assert_eq!(window.results().slots.a.usable_params.slopes, finding.grid);
     let mut window = Start::automatic().open();
     window.choose("BuFF 2D ⏷", "Preset BuFF 1D").settle();
     assert_eq!((is_auto(&window), grid(&window)), (false, SlopeGrid::line(-3.0..=3.0, 7)));
@@ -61,11 +35,27 @@ fn presets_give_ranges_and_reset_all_finds_them() {
 }
 
 #[test]
+fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
+    let mut window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
+    let found = grid(&window);
+    window.click_on(Role::CheckBox, "Auto slopes").settle();
+    assert_eq!((is_auto(&window), grid(&window)), (false, found));
+    assert!(window.found().finding.is_none());
+    window.click("Reset Slopes").settle();
+    assert_eq!((is_auto(&window), grid(&window)), (true, found));
+    // A range edited by hand is given. Those that are found have no fields.
+    assert!(!window.has(Role::SpinButton, "Slopes v"));
+    window.click_on(Role::CheckBox, "Auto slopes").settle();
+    window.harness.get_all_by_role_and_label(Role::SpinButton, "Slopes v").nth(2).unwrap().set_value_accesskit(3.0);
+    window.settle();
+    assert_eq!((is_auto(&window), grid(&window).v.count), (false, 3));
+    assert_eq!((grid(&window).u, window.found().params.slopes.v.count), (found.u, 3));
+}
+
+#[test]
 fn sessions_keep_the_switch_and_given_ranges() {
     let mut window = Start::automatic().open();
-    let model = window.model();
-    let session = Session::of(Read::of(model)).unwrap();
-    let text = session.to_toml();
+    let text = Session::of(window.read()).unwrap().to_toml();
     assert!(text.contains("slopes = \"auto\""), "{text}");
     let mut restored = Start::without_auto_detect().open();
     let model = &mut restored.app_mut().model;
@@ -92,7 +82,7 @@ fn sessions_keep_the_switch_and_given_ranges() {
     window.settle();
     assert!(!is_auto(&window));
     assert_eq!(grid(&window).u, SlopeAxis::new(-1.0..=1.0, 5));
-    assert!(window.results().slots.a.found.as_ref().unwrap().finding.is_none());
+    assert!(window.found().finding.is_none());
     assert_eq!(grid(&window).v.value(0.0), Slope::default().v);
 }
 
@@ -106,20 +96,12 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     window.run_action("detect").settle();
     colour_by_coherence(&mut window);
     window.settle();
-    // The values are those of the library.
-    let model = window.model();
-    let detection = model.results.slots.a.found.as_ref().unwrap().detection.clone();
-    let values = model.results.coherence.of(&detection).unwrap().clone();
-    let cache = ProbeCache::new(
-        &model.results.slots.a.burst.as_ref().unwrap().burst,
-        &Read::of(model).asked(),
-        &Monitor::default(),
-    )
-    .unwrap();
+    let detection = window.found().detection.clone();
+    let values = window.results().coherence.of(&detection).unwrap().clone();
+    let cache = ProbeCache::new(&window.opened().burst, &window.read().asked(), &Monitor::default()).unwrap();
     assert_eq!(*values, judged(&cache.trail, &Monitor::default()).unwrap());
     assert!(window.shows("Legend: coherence from 0 to 1") && !window.shows("Grey: not computed yet"));
     assert_eq!(window.shows("Grey: too noisy to tell"), values.iter().any(|judged| judged.coherence.is_none()));
-    // The selected feature and the one under the pointer show their values.
     let index =
         (0..values.len()).find(|&i| values[i].coherence.is_some_and(|c| c < 0.995)).expect("one is not quite even");
     let text = format!("{:.2}", values[index].coherence.unwrap());
@@ -130,10 +112,8 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     window.hover(at).steps(3);
     assert!(window.shows("\ncoherence "), "the pointer says it");
     window.snapshot("coherence");
-    // The figure has these colours too, with a legend.
     let (_folder, path) = folder_with("coherence.svg");
-    window.change(|document| document.figure.legend = true).will_choose(&path).run_action("figure as before");
-    window.settle();
+    window.change(|document| document.figure.legend = true).will_choose(&path).run_action("figure as before").settle();
     let svg = fs::read_to_string(&path).unwrap();
     let colours: BTreeSet<&str> = svg
         .lines()
@@ -144,7 +124,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     // Another detection has other values; unknown ones are grey, and choosing the quantity again restarts a cancelled
     // computation.
     window.change(|document| document.params.octaves = 2).run_action("detect").settle();
-    let now = window.results().slots.a.found.as_ref().unwrap().detection.clone();
+    let now = window.found().detection.clone();
     let model = &mut window.app_mut().model;
     assert!(model.results.coherence.of(&detection).is_none() && model.results.coherence.of(&now).is_some());
     model.results.coherence = Default::default();
@@ -161,11 +141,11 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
 
 /// Writes many discs that all move by (2.5, 0), with noise, as a `.npy` stack.
 pub fn fast(folder: &Path) -> PathBuf {
-    let (frames, height, width) = (8, 150, 220);
+    let (height, width) = (150, 220);
     let mut stream = Stream::new(11, 0);
     let mut uniform = |n: usize| stream.uniform() as f32 * n as f32;
     let discs: Vec<(f32, f32)> = (0..60).map(|_| (uniform(width + 40) - 20.0, uniform(height))).collect();
-    let array = Array3::from_shape_fn((frames, height, width), |(t, v, u)| {
+    stack(folder, "fast.npy", (8, height, width), |(t, v, u)| {
         let light: f32 = discs
             .iter()
             .map(|(cu, cv)| {
@@ -174,15 +154,11 @@ pub fn fast(folder: &Path) -> PathBuf {
             })
             .sum();
         0.15 + 0.12 * light + 0.02 * stream.normal() as f32
-    });
-    let path = folder.join("fast.npy");
-    ndarray_npy::write_npy(&path, &array).unwrap();
-    path
+    })
 }
 
-/// Window on the burst, searched in a range that is too narrow.
-fn open(folder: &Path) -> Window {
-    let mut window = Start::at_slopes(&fast(folder), SlopeGrid::line(-1.0..=1.0, 5)).open();
+fn open() -> Window {
+    let mut window = Start::at_slopes(&fast(&folder()), SlopeGrid::line(-1.0..=1.0, 5)).open();
     window.run_action("detect").settle();
     window
 }
@@ -201,8 +177,7 @@ fn axis(window: &Window) -> SlopeAxis {
 
 #[test]
 fn too_narrow_a_range_is_told_and_one_click_widens_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+    let mut window = open();
     let slope = window.document().cursor().slope;
     look_at_slopes(&mut window);
     let spectrum = window.read().spectrum().unwrap().clone();
@@ -212,7 +187,6 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     assert_eq!(window.document().cursor().slope, slope, "it never moves the slope by itself");
     window.snapshot("slopes_advice");
     let before = axis(&window);
-    // The table says the same, and applies it too.
     let sentence = advice.sentence.clone();
     window.change(|document| document.bottom_tab = BottomTab::Table).settle();
     assert!(window.shows(&sentence[1..]), "{sentence}");
@@ -240,32 +214,20 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
 }
 
 #[test]
-fn the_ends_of_the_range_are_dragged_below_the_slider() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = open(folder.path());
+fn the_ends_of_the_range_are_dragged_below_the_slider_and_the_ends_of_a_range_far_from_0_lie_apart() {
+    let mut window = open();
     assert!(window.harness.query_by_label("Features and evidence below the slider").is_some());
-    let end = window.harness.get_by_role_and_label(Role::Slider, "Range end u").rect().center();
-    let start = window.harness.get_by_role_and_label(Role::Slider, "Range start u").rect().center();
+    let end = window.rect(Role::Slider, "Range end u").center();
+    let start = window.rect(Role::Slider, "Range start u").center();
     // The distance from the middle to the end is 1 px/frame.
     let unit = 0.5 * (end.x - start.x);
-    window.hover(end).steps(1);
-    window.harness.drag_at(end);
-    window.harness.run_steps(1);
-    for part in [0.3, 0.7, 1.0] {
-        window.hover(end + vec2(part * unit, 0.0)).steps(1);
-    }
-    window.harness.drop_at(end + vec2(unit, 0.0));
-    window.harness.run_steps(2);
+    window.drag(end, end + vec2(unit, 0.0));
     assert_eq!(axis(&window), SlopeAxis { min: -1.0, max: 2.0, count: 7 }, "by whole steps");
     window.ctrl(Key::Z);
     assert_eq!(axis(&window), SlopeAxis { min: -1.0, max: 1.0, count: 5 }, "the drag is one step");
-}
-
-#[test]
-fn the_ends_of_a_range_far_from_0_lie_apart() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut window = Start::at_slopes(&fast(folder.path()), SlopeGrid::line(-4.95..=-3.15, 10)).open();
-    let x = |name| window.harness.get_by_role_and_label(Role::Slider, name).rect().center().x;
+    let folder = folder();
+    let mut window = Start::at_slopes(&fast(&folder), SlopeGrid::line(-4.95..=-3.15, 10)).open();
+    let x = |name| window.rect(Role::Slider, name).center().x;
     assert!(x("Range end u") - x("Range start u") > 60.0);
     assert_eq!(window.document().cursor().slope.u, 0.0, "a slope beyond the slider is shown all the same");
     window.slide("Slope u", -4.0);
@@ -273,19 +235,13 @@ fn the_ends_of_a_range_far_from_0_lie_apart() {
 }
 
 #[test]
-fn where_too_little_is_seen_the_verdict_has_the_number_that_noise_gives() {
-    let (_folder, path) = folder_with("noise.npy");
-    let mut stream = Stream::new(1, 0);
-    let noise = ndarray::Array3::from_shape_simple_fn((9, 300, 400), || 0.2 + 0.05 * stream.normal() as f32);
-    ndarray_npy::write_npy(&path, &noise).unwrap();
+fn where_too_little_is_seen_the_verdict_has_the_number_that_noise_gives_and_a_plane_of_slopes_has_cells() {
+    let (home, mut stream) = (folder(), Stream::new(1, 0));
+    let path = stack(&home, "noise.npy", (9, 300, 400), |_| 0.2 + 0.05 * stream.normal() as f32);
     let mut window = Start::at_slopes(&path, SlopeGrid::line(-2.0..=2.0, 11)).open();
     window.change(|document| document.params.noise_gate = NoiseGate::Factor(3.8)).run_action("detect").settle();
     let decoys = window.read().decoys().expect("unasked").report.expected_words();
     assert!(window.shows("show too little to judge the slopes") && window.shows(&decoys), "{decoys}");
-}
-
-#[test]
-fn a_plane_of_slopes_has_cells() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
     look_at_slopes(&mut window);
     assert!(window.read().spectrum().unwrap().grid.is_plane());

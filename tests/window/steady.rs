@@ -43,7 +43,7 @@ fn two_bursts_are_large_and_stay_where_they_are_when_a_match_is_looked_at() {
 }
 
 #[test]
-fn in_a_narrow_window_two_bursts_stay_until_the_panel_is_asked_for() {
+fn in_a_narrow_window_two_bursts_stay_and_wide_ones_stand_one_above_the_other() {
     let mut window = demos([960.0, 640.0]);
     let before = panes(&window);
     window.key(Key::Home).settle();
@@ -51,12 +51,8 @@ fn in_a_narrow_window_two_bursts_stay_until_the_panel_is_asked_for() {
     assert_eq!(panes(&window), before, "a match is selected");
     window.click("Unfold Feature and display").settle();
     assert!(window.shows("Selected match"));
-}
-
-#[test]
-fn wide_bursts_stand_one_above_the_other() {
-    let home = tempfile::tempdir().unwrap();
-    let path = crate::support::noisy_stack(home.path(), 5, 60, 150);
+    let home = folder();
+    let path = crate::support::noisy_stack(&home, 5, 60, 150);
     let burst = || BurstSource::Paths(vec![path.clone()]);
     let [a, b] = panes(&pair([1280.0, 800.0], [burst(), burst()]));
     assert!(a.bottom() <= b.top() && a.width() > 900.0, "{a:?} {b:?}");
@@ -82,10 +78,9 @@ fn match_lines_leave_the_picture_free_and_come_near_the_pointer_on_demand() {
     assert!(vectors > lines, "short ones take less room: {vectors}");
     window.click_on(Role::RadioButton, "Near pointer").settle();
     assert_eq!(drawn(&window).1, 0, "the pointer is elsewhere");
-    let row = window.results().pair.matches.as_ref().unwrap().row(3).unwrap();
+    let row = window.matches().row(3).unwrap();
     let end = pos2(row.a.u, row.a.v);
-    let end = window.ui_from_image_of(Side::A, end).unwrap();
-    window.hover(end).steps(3);
+    window.hover(window.ui_from_image_of(Side::A, end).unwrap()).steps(3);
     let near = drawn(&window).1;
     assert!(near > 0 && near < all / 3, "{near}");
 }
@@ -99,14 +94,13 @@ fn the_fields_of_the_slopes_stay_while_they_are_used() {
     let gate = |window: &Window| rect(window, Role::ComboBox, "Noise gate").top();
     let set = |window: &mut Window, label: &str, count: f64| {
         let field = window.harness.get_all_by_role_and_label(Role::SpinButton, label).nth(2).unwrap();
-        let pos = field.rect().center();
-        window.hover(pos).steps(1);
+        window.hover(field.rect().center()).steps(1);
         let field = window.harness.get_all_by_role_and_label(Role::SpinButton, label).nth(2).unwrap();
         field.set_value_accesskit(count);
         window.settle();
     };
     let before = gate(&window);
-    let plane = |window: &Window| window.harness.query_by_role_and_label(Role::Canvas, "Slope plane").is_some();
+    let plane = |window: &Window| window.has(Role::Canvas, "Slope plane");
     assert!(plane(&window));
     // From a plane to a line, and to a single slope: each has other pictures above the fields.
     for (label, count) in [("Slopes v", 1.0), ("Slopes u", 1.0), ("Slopes u", 7.0)] {
@@ -120,7 +114,7 @@ fn the_fields_of_the_slopes_stay_while_they_are_used() {
 }
 
 #[test]
-fn the_filter_stays_under_the_pointer_when_it_hides_features() {
+fn the_filter_stays_under_the_pointer_when_it_hides_features_and_the_panel_on_the_right_keeps_its_width() {
     let mut window = Start { size: [1280.0, 900.0], ..Start::default() }.open();
     window.click("Filter").steps(3);
     let before = rect(&window, Role::CheckBox, "Hide features at the slope limit");
@@ -128,6 +122,13 @@ fn the_filter_stays_under_the_pointer_when_it_hides_features() {
     window.change(|document| document.filter.hide_slope_limit = true).settle();
     assert!(window.results().listed.len() < total);
     assert_eq!(rect(&window, Role::CheckBox, "Hide features at the slope limit"), before);
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    let picture = |window: &Window| rect(window, Role::Canvas, "Picture");
+    let before = picture(&window);
+    window.key(Key::Home).settle();
+    assert_eq!(picture(&window), before, "a feature is selected");
+    window.run_action("Why this feature?").settle();
+    assert_eq!(picture(&window), before, "it is probed");
 }
 
 #[test]
@@ -140,20 +141,9 @@ fn the_list_of_lessons_opens_at_its_place() {
             rows.next().map(|row| row.rect())
         };
         // In its first pass it is measured, and not shown.
-        window.harness.run_steps(2);
+        window.steps(2);
         let opened = first(&window).expect("listed");
         window.hover(opened.center()).steps(5);
         assert_eq!(first(&window), Some(opened), "{size:?}");
     }
-}
-
-#[test]
-fn the_panel_on_the_right_keeps_its_width() {
-    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    let picture = |window: &Window| rect(window, Role::Canvas, "Picture");
-    let before = picture(&window);
-    window.key(Key::Home).settle();
-    assert_eq!(picture(&window), before, "a feature is selected");
-    window.run_action("Why this feature?").settle();
-    assert_eq!(picture(&window), before, "it is probed");
 }

@@ -1,8 +1,7 @@
 //! Structure of the drawn window as text: what is shown where, as screen readers are told it, and the greys of its
 //! panes and plots. It does not depend on the graphics driver.
 
-use crate::greys::Greys;
-use crate::support::*;
+use crate::{greys::Greys, support::*};
 use egui_kittest::Node;
 use std::fmt::Write;
 
@@ -55,7 +54,6 @@ pub fn structure_of(root: &Node<'_>, window: Rect, image: &RgbaImage) -> String 
     text + &greys
 }
 
-/// Left, top, width and height, and the rest of the line.
 fn placed(line: &str) -> Option<([f32; 4], &str)> {
     let mut parts = line.splitn(5, ' ');
     let mut number = || parts.next()?.parse().ok();
@@ -73,7 +71,6 @@ fn is_same(a: &str, b: &str) -> bool {
     is_same_thing && place_a.iter().zip(place_b).all(|(a, b)| (a - b).abs() <= TOLERANCE)
 }
 
-/// Name and greys of a pane, where `what` has them.
 fn greys_in(what: &str) -> Option<(&str, Greys)> {
     what.starts_with(GREYS).then(|| Greys::read(what)).flatten()
 }

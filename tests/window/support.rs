@@ -1,14 +1,16 @@
 //! A window for tests, and the actions of a user on it.
 
 // Names that most tests of the window use.
+pub use crate::shared::{Folder, folder, folder_with};
 pub use burstscope::app::canvas::Zoom;
 pub use burstscope::app::document::{
     Action, Compared, Document, FeaturesShown, FilmContent, Filter, Interval, MatchColumn, MatchesAs, MethodId, Order,
     PairColumn, PairTab, Panels, Purpose, Queue, Reference, Reselect, SavedSelection, SetUpState, Side, Steps,
     Trajectories, Visibility, cursor::ViewKind,
 };
+pub use burstscope::app::messages::Message;
 pub use burstscope::app::pane::{Content, Over, PaneId};
-pub use burstscope::app::results::{Model, Read, Results, datasets::BurstState};
+pub use burstscope::app::results::{FoundFeatures, Matches, Model, Read, Results, datasets::BurstState};
 pub use burstscope::app::{Startup, apply, session::Session, settings::Settings};
 pub use burstscope::burst::OpenOptions;
 pub use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind};
@@ -27,26 +29,16 @@ pub use burstscope::teach::{
     Between, BottomTab, Goal, GoalValue, InView, Layout, Lesson, Near, Part, Step, Workspace, built_in, sheet,
 };
 pub use burstscope::{Burst, Monitor, Plane};
-pub use egui::accesskit::Role;
-pub use egui::{Key, Modifiers, Pos2, Rect, Vec2, pos2, vec2};
-pub use egui_kittest::Harness;
-pub use egui_kittest::kittest::{NodeT, Queryable};
+pub use egui::{Key, Modifiers, Pos2, Rect, Vec2, accesskit::Role, pos2, vec2};
+pub use egui_kittest::{Harness, kittest::NodeT, kittest::Queryable};
 pub use image::RgbaImage;
 pub use ndarray::Array3;
-pub use std::collections::BTreeSet;
-pub use std::fs;
-pub use std::path::{Path, PathBuf};
-pub use std::sync::Arc;
-pub use std::time::Duration;
+pub use std::{collections::BTreeSet, fs, path::Path, path::PathBuf, sync::Arc, time::Duration};
 
 use crate::{harness as common, pictures};
-use burstscope::app::BurstscopeApp;
-use burstscope::app::dialogs::{FileDialogs, Question};
-use std::collections::{HashMap, VecDeque};
-use std::sync::Mutex;
-use std::time::Instant;
+use burstscope::app::{BurstscopeApp, dialogs::FileDialogs, dialogs::Question};
+use std::{collections::HashMap, collections::VecDeque, sync::Mutex, time::Instant};
 
-/// Timeout of every wait.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Dialogs that answer from a list; an empty list is a system without dialogs.
@@ -54,12 +46,10 @@ const PATIENCE: Duration = Duration::from_secs(120);
 pub struct Scripted(Arc<Mutex<VecDeque<Option<PathBuf>>>>);
 
 impl Scripted {
-    /// Sets the path that the next dialog returns.
     pub fn will_choose(&self, path: impl Into<PathBuf>) {
         self.0.lock().unwrap().push_back(Some(path.into()));
     }
 
-    /// Makes the next dialog end without an answer.
     pub fn will_end(&self) {
         self.0.lock().unwrap().push_back(None);
     }
@@ -92,13 +82,11 @@ impl eframe::Storage for Memory {
     fn flush(&mut self) {}
 }
 
-/// Window, and the script of its dialogs.
 pub struct Window {
     pub harness: Harness<'static, BurstscopeApp>,
     pub dialogs: Scripted,
 }
 
-/// Settings with which a window starts.
 pub struct Start {
     pub size: [f32; 2],
     pub pixels_per_point: f32,
@@ -131,17 +119,14 @@ fn with_decode_worker() {
 }
 
 impl Start {
-    /// Slopes are found, as the program does.
     pub fn automatic() -> Self {
         Self { startup: Startup { settings: all_open(), ..Startup::default() }, ..Self::default() }
     }
 
-    /// Very first start of the program, in a window of `size` points.
     pub fn first(size: [f32; 2]) -> Self {
         Self { size, startup: Startup::default(), ..Self::default() }
     }
 
-    /// The demo, and beside it the demo a little later.
     pub fn two_bursts(size: [f32; 2]) -> Self {
         Self { size, startup: Startup { second: Some(BurstSource::DemoLater), ..given() }, ..Self::default() }
     }
@@ -168,7 +153,6 @@ impl Start {
         start
     }
 
-    /// Opens the window and waits until it is settled.
     pub fn open(self) -> Window {
         let mut window = self.open_without_waiting();
         window.settle();
@@ -217,6 +201,22 @@ impl Window {
         &self.model().results
     }
 
+    pub fn opened(&self) -> &OpenBurst {
+        self.results().slots.a.burst.as_ref().unwrap()
+    }
+
+    pub fn found(&self) -> &FoundFeatures {
+        self.results().slots.a.found.as_ref().unwrap()
+    }
+
+    pub fn matches(&self) -> &Matches {
+        self.results().pair.matches.as_ref().unwrap()
+    }
+
+    pub fn errors(&self) -> &[Message] {
+        &self.model().shell.messages.errors
+    }
+
     pub fn read(&self) -> Read<'_> {
         self.app().read()
     }
@@ -225,7 +225,10 @@ impl Window {
         self.harness.state_mut()
     }
 
-    /// Lets the window draw so many times.
+    pub fn set(&mut self) -> &mut Document {
+        &mut self.app_mut().model.document
+    }
+
     pub fn steps(&mut self, count: usize) -> &mut Self {
         self.harness.run_steps(count);
         self
@@ -233,20 +236,40 @@ impl Window {
 
     /// Changes what is set, without a widget.
     pub fn change<R>(&mut self, change: impl FnOnce(&mut Document) -> R) -> &mut Self {
-        change(&mut self.app_mut().model.document);
+        change(self.set());
         self
     }
 
-    /// Sets the path that the next dialog returns.
     pub fn will_choose(&mut self, path: impl Into<PathBuf>) -> &mut Self {
         self.dialogs.will_choose(path);
         self
     }
 
-    /// Holds the pointer over a place of the window.
     pub fn hover(&mut self, pos: Pos2) -> &mut Self {
         self.harness.hover_at(pos);
         self
+    }
+
+    pub fn has(&self, role: Role, label: &str) -> bool {
+        self.harness.query_by_role_and_label(role, label).is_some()
+    }
+
+    pub fn rect(&self, role: Role, label: &str) -> Rect {
+        self.harness.get_by_role_and_label(role, label).rect()
+    }
+
+    pub fn type_into(&mut self, field: &str, text: &str) -> &mut Self {
+        self.harness.get_by_role_and_label(Role::TextInput, field).type_text(text);
+        self
+    }
+
+    /// Zooms at a place of the window, as the wheel does; the pointer is gone afterwards.
+    pub fn zoom_at(&mut self, pos: Pos2) -> &mut Self {
+        self.hover(pos).steps(1);
+        self.harness.event(egui::Event::Zoom(1.8));
+        self.steps(4);
+        self.harness.remove_cursor();
+        self.steps(2)
     }
 
     /// Clicks a widget of this kind with this text; the window does not draw yet.
@@ -264,7 +287,6 @@ impl Window {
         self
     }
 
-    /// Runs the window until `wanted` holds.
     pub fn wait(&mut self, what: &str, wanted: impl Fn(&BurstscopeApp) -> bool) -> &mut Self {
         let end = Instant::now() + PATIENCE;
         let mut held = 0;
@@ -279,30 +301,25 @@ impl Window {
         self
     }
 
-    /// Runs the window until it says an error.
     pub fn wait_for_error(&mut self) -> &mut Self {
         self.wait("a message", |app| !app.model.shell.messages.errors.is_empty())
     }
 
-    /// Clicks a button (or another clickable widget) with this text.
     pub fn click(&mut self, label: &str) -> &mut Self {
         self.harness.get_by_role_and_label(Role::Button, label).click();
         self.steps(3)
     }
 
-    /// Presses a key.
     pub fn key(&mut self, key: Key) -> &mut Self {
         self.harness.key_press(key);
         self.steps(2)
     }
 
-    /// Presses keys with Ctrl (Cmd on a Mac).
     pub fn ctrl(&mut self, key: Key) -> &mut Self {
         self.harness.key_press_modifiers(Modifiers::COMMAND, key);
         self.steps(2)
     }
 
-    /// Presses a key with Shift.
     pub fn shift(&mut self, key: Key) -> &mut Self {
         self.harness.key_press_modifiers(Modifiers::SHIFT, key);
         self.steps(2)
@@ -317,12 +334,10 @@ impl Window {
         self.steps(2)
     }
 
-    /// Saves the session as `file`, and opens it in another window.
     pub fn kept_and_opened_in_another(&mut self, file: &Path) -> Self {
         self.kept_and_opened_in(Start::without_auto_detect(), file)
     }
 
-    /// Saves the session as `file`, and opens it in a window that starts so.
     pub fn kept_and_opened_in(&mut self, start: Start, file: &Path) -> Self {
         self.will_choose(file).run_action("save session").settle();
         let mut other = start.open();
@@ -330,7 +345,6 @@ impl Window {
         other
     }
 
-    /// Drops a file or folder on the window.
     pub fn drop_file(&mut self, path: PathBuf) -> &mut Self {
         #[derive(Debug)]
         struct Dropped(PathBuf);
@@ -347,7 +361,6 @@ impl Window {
         self
     }
 
-    /// Moves a slider.
     pub fn slide(&mut self, label: &str, value: f64) -> &mut Self {
         // A slope that a pad shows has a number alone.
         let slider = self.harness.query_by_role_and_label(Role::Slider, label);
@@ -357,7 +370,6 @@ impl Window {
         self.steps(2)
     }
 
-    /// Opens a tab of the panel below, which was closed or shows another.
     pub fn open_tab(&mut self, label: &str) -> &mut Self {
         if !self.read().shows_bottom() {
             self.run_action("table and tally");
@@ -368,34 +380,24 @@ impl Window {
         self
     }
 
-    /// Chooses an entry of a menu.
     pub fn choose(&mut self, menu: &str, entry: &str) -> &mut Self {
         self.click(menu);
         self.harness.get_by_label_contains(entry).click();
         self.steps(3)
     }
 
-    /// Clicks at a place of the window, with a pause between the events.
     pub fn click_at(&mut self, pos: Pos2) -> &mut Self {
-        self.harness.hover_at(pos);
-        self.harness.run_steps(1);
-        self.harness.drag_at(pos);
-        self.harness.run_steps(1);
-        self.harness.event(egui::Event::PointerButton {
-            pos,
-            button: egui::PointerButton::Primary,
-            pressed: false,
-            modifiers: Modifiers::NONE,
-        });
-        self.steps(2)
+        self.click_with(Modifiers::NONE, pos)
     }
 
-    /// Clicks at a place of the window with Shift held.
     pub fn shift_click_at(&mut self, pos: Pos2) -> &mut Self {
-        self.harness.hover_at(pos);
-        self.harness.run_steps(1);
+        self.click_with(Modifiers::SHIFT, pos)
+    }
+
+    fn click_with(&mut self, modifiers: Modifiers, pos: Pos2) -> &mut Self {
+        self.hover(pos).steps(1);
         for pressed in [true, false] {
-            let (button, modifiers) = (egui::PointerButton::Primary, Modifiers::SHIFT);
+            let button = egui::PointerButton::Primary;
             let event = egui::Event::PointerButton { pos, button, pressed, modifiers };
             self.harness.event_modifiers(event, modifiers);
             self.harness.run_steps(1);
@@ -417,7 +419,6 @@ impl Window {
         self
     }
 
-    /// Drags from one place of the window to another, with stops on the way.
     pub fn drag(&mut self, from: Pos2, to: Pos2) -> &mut Self {
         self.harness.hover_at(from);
         self.harness.run_steps(1);
@@ -433,24 +434,18 @@ impl Window {
         self
     }
 
-    /// Whether any widget shows this text.
     pub fn shows(&self, text: &str) -> bool {
+        let has_value = egui_kittest::kittest::by().predicate(|n| n.value().is_some_and(|v| v.contains(text)));
         self.harness.query_all_by_label_contains(text).next().is_some()
-            || self
-                .harness
-                .query_all(egui_kittest::kittest::by().predicate(|n| n.value().is_some_and(|v| v.contains(text))))
-                .next()
-                .is_some()
+            || self.harness.query_all(has_value).next().is_some()
     }
 
-    /// Compares the window with what is stored of it under this name.
     pub fn snapshot(&mut self, name: &str) -> &mut Self {
         self.harness.remove_cursor();
         self.compare(name);
         self
     }
 
-    /// Compares the window with what is stored of it under this name, with the pointer at a place of the window.
     pub fn snapshot_with_pointer(&mut self, name: &str, pos: Pos2) {
         self.harness.hover_at(pos);
         self.harness.run_steps(30);
@@ -479,6 +474,18 @@ impl Window {
     }
 }
 
+/// A `.npy` stack of `light(t, v, u)` in `folder`; its size is in frames, rows and columns.
+pub fn stack(
+    folder: &Path,
+    name: &str,
+    size: (usize, usize, usize),
+    light: impl FnMut((usize, usize, usize)) -> f32,
+) -> PathBuf {
+    let path = folder.join(name);
+    ndarray_npy::write_npy(&path, &Array3::from_shape_fn(size, light)).unwrap();
+    path
+}
+
 /// A burst of noise with a few discs that move by (1, 0), as a `.npy` stack in `folder`.
 pub fn noisy_stack(folder: &Path, frames: usize, height: usize, width: usize) -> PathBuf {
     let noise = |i: usize| {
@@ -487,22 +494,12 @@ pub fn noisy_stack(folder: &Path, frames: usize, height: usize, width: usize) ->
         h = (h ^ (h >> 12)).wrapping_mul(0x297A_2D39);
         (h >> 8) as f32 / (1 << 24) as f32 - 0.5
     };
-    let array = Array3::from_shape_fn((frames, height, width), |(t, v, u)| {
+    stack(folder, "noisy.npy", (frames, height, width), |(t, v, u)| {
         let disc = |cu: f32, cv: f32| {
             let d2 = (u as f32 - cu - t as f32).powi(2) + (v as f32 - cv).powi(2);
             (-d2 / 32.0).exp()
         };
         let light = disc(0.3 * width as f32, 0.4 * height as f32) + disc(0.6 * width as f32, 0.7 * height as f32);
         0.1 + 0.1 * light + 0.08 * noise((t * height + v) * width + u)
-    });
-    let path = folder.join("noisy.npy");
-    ndarray_npy::write_npy(&path, &array).unwrap();
-    path
-}
-
-/// A new folder that disappears after the test, and the path of this name in it.
-pub fn folder_with(name: &str) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let path = folder.path().join(name);
-    (folder, path)
+    })
 }

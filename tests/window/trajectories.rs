@@ -4,7 +4,6 @@ use crate::support::*;
 use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
 use std::fmt::Write;
 
-/// Centres of fourteen cameras on an arc that rises a little, looking along +z.
 fn true_centres() -> Vec<[f64; 3]> {
     (0..14).map(|k| f64::from(k) * 0.2).map(|t| [3.0 * t.sin(), 0.3 * t, 3.0 * (1.0 - t.cos())]).collect()
 }
@@ -29,9 +28,7 @@ fn files(home: &Path) -> (PathBuf, PathBuf) {
         let keypoints: Vec<String> = (0..seen).map(|i| format!("{i} {i} {}", i + 1)).collect();
         writeln!(images, "{}", keypoints.join(" ")).unwrap();
     }
-    for point in 1..=130 {
-        writeln!(points, "{point} 0 0 9 128 128 128 0.6 1 0 2 0 3 0").unwrap();
-    }
+    (1..=130).for_each(|point| writeln!(points, "{point} 0 0 9 128 128 128 0.6 1 0 2 0 3 0").unwrap());
     let (model, path) = (home.join("sparse"), home.join("truth.txt"));
     fs::create_dir_all(&model).unwrap();
     fs::write(model.join("images.txt"), images).unwrap();
@@ -40,21 +37,21 @@ fn files(home: &Path) -> (PathBuf, PathBuf) {
     (model, path)
 }
 
-fn open_both(home: &Path) -> (Window, PoseReport) {
-    let (estimate, truth) = files(home);
+fn open_both() -> (Folder, Window, PoseReport) {
+    let home = folder();
+    let (estimate, truth) = files(&home);
     let report =
         evaluate_poses(&read_trajectory(&estimate).unwrap(), &read_trajectory(&truth).unwrap(), &PoseStudy::default())
             .unwrap();
     let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
     window.will_choose(estimate.join("images.txt")).run_action("open estimated trajectory").settle();
     window.will_choose(truth).run_action("open true trajectory").settle();
-    (window, report)
+    (home, window, report)
 }
 
 #[test]
 fn the_errors_are_those_of_the_library() {
-    let home = tempfile::tempdir().unwrap();
-    let (mut window, report) = open_both(home.path());
+    let (_home, mut window, report) = open_both();
     assert_eq!(window.document().workspace, Workspace::Trajectories);
     assert_eq!(window.results().poses.report(Which::Estimate).map(|r| (**r).clone()), Some(report.clone()));
     assert!(window.shows("13 of 14 (93 %)"));
@@ -64,9 +61,7 @@ fn the_errors_are_those_of_the_library() {
     assert!(window.shows(&format!("{:.1}", report.model.unwrap().points_per_image)));
     window.click_on(Role::Row, "Camera burst_04.png").steps(2);
     assert_eq!(window.document().trajectories.selected, Some(4));
-    // Motions over three poses have other errors.
-    window.harness.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
-    window.settle();
+    window.slide("Step", 3.0).settle();
     let over_three = window.results().poses.report(Which::Estimate).unwrap().clone();
     assert_eq!((over_three.step, over_three.relative.count), (3, 10));
     assert!(window.shows(&format!("{:.4}", over_three.relative.translation.rmse)));
@@ -90,10 +85,9 @@ fn second_estimate(home: &Path) -> PathBuf {
 
 #[test]
 fn two_estimates_and_the_truth_are_shown_at_once_with_their_errors() {
-    let home = tempfile::tempdir().unwrap();
-    let (mut window, first) = open_both(home.path());
+    let (home, mut window, first) = open_both();
     assert!(window.shows("13 of 14 cameras right"));
-    window.will_choose(second_estimate(home.path())).run_action("open second estimate").settle();
+    window.will_choose(second_estimate(&home)).run_action("open second estimate").settle();
     assert!(window.shows("merge/1, the largest of 2 parts"));
     let poses = &window.results().poses;
     let [one, two] = Which::ESTIMATES.map(|which| poses.report(which).unwrap().clone());
@@ -107,12 +101,11 @@ fn two_estimates_and_the_truth_are_shown_at_once_with_their_errors() {
     // A row has what each estimate has; the image without a camera has a row too.
     assert!(window.shows("error 2") && window.shows(&format!("{:.4}", two.pairs[2].translation_error)));
     window.harness.get_by_role_and_label(Role::Row, "Camera burst_09.png").click_accesskit();
-    window.harness.run_steps(2);
+    window.steps(2);
     assert_eq!(window.document().trajectories.selected, Some(9));
-    let other = window.kept_and_opened_in_another(&home.path().join("two.burstscope.toml"));
-    let model = other.model();
-    assert_eq!(model.results.poses.report(Which::Second).map(|r| r.absolute), Some(two.absolute));
-    assert_eq!(model.document.trajectories.selected, Some(9));
+    let other = window.kept_and_opened_in_another(&home.join("two.burstscope.toml"));
+    assert_eq!(other.results().poses.report(Which::Second).map(|r| r.absolute), Some(two.absolute));
+    assert_eq!(other.document().trajectories.selected, Some(9));
     window.harness.get_by_label("Close Second estimate").click();
     window.settle();
     let poses = &window.results().poses;
@@ -120,11 +113,10 @@ fn two_estimates_and_the_truth_are_shown_at_once_with_their_errors() {
 }
 
 #[test]
-fn a_camera_is_pointed_at_in_the_plane() {
-    let home = tempfile::tempdir().unwrap();
-    let (mut window, _) = open_both(home.path());
+fn a_camera_is_pointed_at_in_the_plane_and_trajectories() {
+    let (_home, mut window, _) = open_both();
     window.change(|document| document.trajectories.projection = Projection::Xz).settle();
-    let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
+    let canvas = window.rect(Role::Canvas, "Trajectories");
     let scene = window.results().poses.scene(&window.document().trajectories);
     let view = window.document().trajectories.view;
     let at = canvas.center() + view.points_per_pixel() * (scene.cameras[0][6].pos - Pos2::from(view.centre_image));
@@ -133,12 +125,19 @@ fn a_camera_is_pointed_at_in_the_plane() {
     assert!(window.shows("burst_06.png\noff by"), "the tooltip names the image and its error");
     window.click_at(at);
     assert_eq!(window.document().trajectories.selected, Some(6));
+    let (_home, mut window, _) = open_both();
+    let compared = &mut window.app_mut().model.results.poses.compared;
+    // The place of this test's files differs from run to run.
+    compared.read[0].as_mut().unwrap().0 = "/data/rec/sparse".into();
+    compared.read[2].as_mut().unwrap().0 = "/data/truth.txt".into();
+    window.set().trajectories.selected = Some(3);
+    window.app_mut().model.shell.messages.note("Opened demo");
+    window.snapshot("trajectories");
 }
 
 #[test]
-fn a_free_view_goes_around_the_cameras_and_back() {
-    let home = tempfile::tempdir().unwrap();
-    let (mut window, _) = open_both(home.path());
+fn a_free_view_goes_around_the_cameras_and_points_are_drawn_when_asked_for() {
+    let (home, mut window, _) = open_both();
     window.click_on(Role::ComboBox, "Seen from").steps(2);
     window.harness.get_by_label("Free view").click();
     window.settle();
@@ -152,8 +151,7 @@ fn a_free_view_goes_around_the_cameras_and_back() {
     let begin = scene(&window);
     let spot = &begin.cameras[2][0];
     assert!(spot.frustum.iter().all(|corner| corner.is_finite() && *corner != spot.pos), "{spot:?}");
-    let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
-    let from = canvas.center() + vec2(-300.0, 100.0);
+    let from = window.rect(Role::Canvas, "Trajectories").center() + vec2(-300.0, 100.0);
     window.drag(from, from + vec2(100.0, 50.0));
     is_at(&window, [-40.0, 20.0]);
     let turned = scene(&window);
@@ -163,34 +161,29 @@ fn a_free_view_goes_around_the_cameras_and_back() {
     window.drag(from, from + vec2(0.0, 250.0));
     is_at(&window, [-40.0, 70.0]);
     assert!(set(&window).view.is_fit());
-    let other = window.kept_and_opened_in_another(&home.path().join("free.burstscope.toml"));
+    let other = window.kept_and_opened_in_another(&home.join("free.burstscope.toml"));
     is_at(&other, [-40.0, 70.0]);
     window.double_click_at(from);
     assert_eq!(set(&window).orbit, [0.0; 2]);
-}
-
-#[test]
-fn points_are_drawn_when_asked_for_and_only_a_sparse_model_has_them() {
-    let home = tempfile::tempdir().unwrap();
-    let (mut window, _) = open_both(home.path());
+    let (home, mut window, _) = open_both();
     window.click_on(Role::CheckBox, "3D points").settle();
     assert!(window.document().trajectories.points && window.shows("3D points"));
     let app = window.app_mut();
-    apply::studies::open_trajectory(&mut app.model, Which::Estimate, Some(home.path().join("truth.txt")), &app.engine);
+    apply::studies::open_trajectory(&mut app.model, Which::Estimate, Some(home.join("truth.txt")), &app.engine);
     window.settle();
-    assert!(window.harness.query_by_role_and_label(Role::CheckBox, "3D points").is_none());
+    assert!(!window.has(Role::CheckBox, "3D points"));
 }
 
 #[test]
 fn a_second_click_on_a_camera_opens_its_burst() {
-    let (home, nights) = folder_with("nights");
+    let (home, mut window, _) = open_both();
+    let nights = home.join("nights");
     for (k, frames) in [(0, 3), (1, 5)] {
         let burst = nights.join(format!("burst_{k:02}"));
         fs::create_dir_all(&burst).unwrap();
         noisy_stack(&burst, frames, 40, 40);
     }
-    let (mut window, _) = open_both(home.path());
-    let row = |window: &Window, name: &str| window.harness.get_by_role_and_label(Role::Row, name).rect().center();
+    let row = |window: &Window, name: &str| window.rect(Role::Row, name).center();
     let at = row(&window, "Camera burst_01.png");
     window.double_click_at(at);
     assert!(window.shows("Open the dataset of burst_01.png"));
@@ -201,12 +194,10 @@ fn a_second_click_on_a_camera_opens_its_burst() {
     window.double_click_at(at).settle();
     assert_eq!((window.document().workspace, window.read().frame_count()), (Workspace::Inspect, 5));
     window.run_action("trajectories").settle();
-    let at = row(&window, "Camera burst_02.png");
-    window.double_click_at(at);
+    window.double_click_at(row(&window, "Camera burst_02.png"));
     assert!(window.shows("nights has no burst with the name of the camera burst_02.png"));
 }
 
-/// Opens a dataset of bursts of noise by the names of some cameras; `places` of them.
 fn open_nights(window: &mut Window, home: &Path, places: &[usize]) {
     let nights = home.join("nights");
     for k in places {
@@ -218,10 +209,9 @@ fn open_nights(window: &mut Window, home: &Path, places: &[usize]) {
 }
 
 #[test]
-fn a_camera_leads_to_its_weakest_pair_and_a_missing_one_to_the_reason() {
-    let home = tempfile::tempdir().unwrap();
-    let (mut window, _) = open_both(home.path());
-    open_nights(&mut window, home.path(), &[8, 9, 10]);
+fn cameras_lead_to_their_weakest_pairs_missing_ones_to_the_reason_and_points_to_features() {
+    let (home, mut window, _) = open_both();
+    open_nights(&mut window, &home, &[8, 9, 10]);
     let dataset = window.app_mut().model.results.datasets.open.as_mut().unwrap();
     for (pair, putative, inliers) in [((0, 1), 30, 12), ((0, 2), 400, 350), ((1, 2), 20, 3)] {
         let counts = MatchCounts { keypoints_a: 500, putative, inliers: Some(inliers), ..MatchCounts::default() };
@@ -242,27 +232,20 @@ fn a_camera_leads_to_its_weakest_pair_and_a_missing_one_to_the_reason() {
     let document = window.document();
     assert_eq!((document.workspace, document.pair_tab), (Workspace::Pair, PairTab::Unmatched));
     assert_eq!(document.dataset.as_ref().unwrap().selected(), Some((0, 1)));
-}
-
-#[test]
-fn a_point_leads_to_its_features() {
-    let home = tempfile::tempdir().unwrap();
-    let (mut window, _) = open_both(home.path());
-    open_nights(&mut window, home.path(), &[1, 2]);
+    let (home, mut window, _) = open_both();
+    open_nights(&mut window, &home, &[1, 2]);
     window.run_action("trajectories").click_on(Role::CheckBox, "3D points").settle();
-    let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
+    let canvas = window.rect(Role::Canvas, "Trajectories");
     let set = &window.document().trajectories;
-    let scene = window.results().poses.scene(set);
-    let (point, at) = scene.points[0];
+    let (point, at) = window.results().poses.scene(set).points[0];
     let at = canvas.center() + set.view.points_per_pixel() * (at - Pos2::from(set.view.centre_image));
     window.click_at(at);
     assert_eq!(window.document().trajectories.point, Some(point));
     assert!(window.shows("burst_00.png, keypoint 0") && window.shows("burst_02.png, keypoint 0"));
     window.harness.get_by_label("burst_01.png, keypoint 0").click();
     window.settle();
-    let model = window.model();
-    assert_eq!((model.document.workspace, window.read().frame_count()), (Workspace::Inspect, 3));
-    assert_eq!(model.results.reselect, Some(SavedSelection::of_index(0)), "it waits for the features");
+    assert_eq!((window.document().workspace, window.read().frame_count()), (Workspace::Inspect, 3));
+    assert_eq!(window.results().reselect, Some(SavedSelection::of_index(0)), "it waits for the features");
     window.run_action("detect").settle();
     let found = !window.read().features().is_empty();
     assert_eq!(window.document().selected, found.then_some(0));
@@ -270,9 +253,8 @@ fn a_point_leads_to_its_features() {
 
 #[test]
 fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
-    let home = tempfile::tempdir().unwrap();
-    let (mut window, _) = open_both(home.path());
-    let broken = home.path().join("broken.txt");
+    let (home, mut window, _) = open_both();
+    let broken = home.join("broken.txt");
     fs::write(&broken, "1 2 3\n").unwrap();
     let app = window.app_mut();
     apply::studies::open_trajectory(&mut app.model, Which::Truth, Some(broken), &app.engine);
@@ -280,7 +262,7 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     assert!(window.shows("broken.txt") && window.shows("line 1"));
     assert!(window.results().poses.report(Which::Estimate).is_some());
     // A truth of other places: both are read, but nothing can be compared.
-    let other = home.path().join("other.txt");
+    let other = home.join("other.txt");
     fs::write(&other, "x.png 0 0 0 0 0 0 1\ny.png 1 0 0 0 0 0 1\n").unwrap();
     window.drop_file(other).settle();
     assert!(window.results().poses.report(Which::Estimate).is_none());
@@ -290,28 +272,11 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
 
 #[test]
 fn a_session_brings_the_trajectories_back() {
-    let home = tempfile::tempdir().unwrap();
-    let (mut window, report) = open_both(home.path());
-    window.app_mut().model.document.trajectories.projection = Projection::Yz;
-    let file = home.path().join("walk.burstscope.toml");
+    let (home, mut window, report) = open_both();
+    window.set().trajectories.projection = Projection::Yz;
+    let file = home.join("walk.burstscope.toml");
     let other = window.kept_and_opened_in_another(&file);
-    let model = other.model();
-    assert_eq!(
-        (model.document.workspace, model.document.trajectories.projection),
-        (Workspace::Trajectories, Projection::Yz)
-    );
-    assert_eq!(model.results.poses.report(Which::Estimate).map(|r| r.absolute), Some(report.absolute));
-}
-
-#[test]
-fn trajectories() {
-    let home = tempfile::tempdir().unwrap();
-    let (mut window, _) = open_both(home.path());
-    let compared = &mut window.app_mut().model.results.poses.compared;
-    // The place of this test's files differs from run to run.
-    compared.read[0].as_mut().unwrap().0 = "/data/rec/sparse".into();
-    compared.read[2].as_mut().unwrap().0 = "/data/truth.txt".into();
-    window.app_mut().model.document.trajectories.selected = Some(3);
-    window.app_mut().model.shell.messages.note("Opened demo");
-    window.snapshot("trajectories");
+    assert_eq!(other.document().workspace, Workspace::Trajectories);
+    assert_eq!(other.document().trajectories.projection, Projection::Yz);
+    assert_eq!(other.results().poses.report(Which::Estimate).map(|r| r.absolute), Some(report.absolute));
 }

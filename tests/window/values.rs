@@ -2,21 +2,16 @@
 
 use crate::support::*;
 use burstscope::app::dataset::pairs::{CountColours, matrix_ui};
-use burstscope::app::document::cursor::*;
-use burstscope::app::document::filter::near_slope;
-use burstscope::app::document::lab::*;
+use burstscope::app::document::{cursor::*, filter::near_slope, lab::*};
 use burstscope::app::measure::{Hidden, mask_of};
 use burstscope::app::pane::{Pane, Preset};
-use burstscope::app::results::Dataset;
-use burstscope::app::results::datasets::pairs::{PairTable, lost_text};
-use burstscope::app::results::studies::*;
+use burstscope::app::results::{Dataset, datasets::pairs::PairTable, datasets::pairs::lost_text, studies::*};
 use burstscope::app::view::{KnownOfFeature, MAX_POINTS_PER_PIXEL, RectTransform, View, quantity_text};
 use burstscope::evaluate::BurstMethod;
 use burstscope::evaluate::poses::{
     DEMO_ESTIMATE, DEMO_TRUTH, Pose, PoseStudy, Projection, Trajectory, read_trajectory,
 };
-use burstscope::inspect::pair::Lost;
-use burstscope::inspect::slopes::SetUp;
+use burstscope::inspect::{pair::Lost, slopes::SetUp};
 use burstscope::matching::Refusal;
 use burstscope::plane::Mask;
 use burstscope::study::Study;
@@ -25,26 +20,7 @@ use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
 
 #[test]
-fn a_cursor_is_brought_into_range() {
-    let params = DetectorParams::default();
-    let wild = Cursor { kind: ViewKind::Dog, frame: 99, slope: Slope::new(f32::NAN, 1e9), octave: 77, level: -9 };
-    let tame = wild.within(&params, 10, (640, 480));
-    assert_eq!((tame.frame, tame.level), (9, -1));
-    assert_eq!(tame.slope, Slope::new(0.0, slope_limit(&params.slopes)));
-    assert!(octave_range(&params, (640, 480)).contains(&tame.octave));
-}
-
-#[test]
-fn stepping_goes_to_the_next_slope_of_the_grid_and_stops_at_its_rim() {
-    let grid = SlopeGrid::line(-3.0..=3.0, 7);
-    assert_eq!(stepped(&grid, Slope::new(0.2, 0.0), false, true), Slope::new(1.0, 0.0));
-    assert_eq!(stepped(&grid, Slope::new(3.0, 0.0), false, true), Slope::new(3.0, 0.0));
-    assert_eq!(stepped(&grid, Slope::new(1.0, 0.0), true, true), Slope::new(1.0, 0.25));
-    assert_eq!(snapped(&grid, Slope::new(1.4, 0.6)), Slope::new(1.0, 0.0));
-}
-
-#[test]
-fn playing_goes_through_the_row_of_the_cursor_and_never_jumps() {
+fn playing_and_steps_go_along_the_grid_and_a_cursor_is_brought_into_range() {
     let plane = SlopeGrid::plane(-1.0..=1.0, 3, 0.0..=1.0, 2);
     let (row, at) = row_of(&plane, Slope::new(0.9, 0.8));
     assert_eq!((row, at), (vec![Slope::new(-1.0, 1.0), Slope::new(0.0, 1.0), Slope::new(1.0, 1.0)], 2));
@@ -55,6 +31,17 @@ fn playing_goes_through_the_row_of_the_cursor_and_never_jumps() {
         assert!((0..count).all(|place| places[place] == place), "{places:?}");
         assert!(places.windows(2).all(|two| two[0].abs_diff(two[1]) == usize::from(count > 1)), "{places:?}");
     }
+    let params = DetectorParams::default();
+    let wild = Cursor { kind: ViewKind::Dog, frame: 99, slope: Slope::new(f32::NAN, 1e9), octave: 77, level: -9 };
+    let tame = wild.within(&params, 10, (640, 480));
+    assert_eq!((tame.frame, tame.level), (9, -1));
+    assert_eq!(tame.slope, Slope::new(0.0, slope_limit(&params.slopes)));
+    assert!(octave_range(&params, (640, 480)).contains(&tame.octave));
+    let grid = SlopeGrid::line(-3.0..=3.0, 7);
+    assert_eq!(stepped(&grid, Slope::new(0.2, 0.0), false, true), Slope::new(1.0, 0.0));
+    assert_eq!(stepped(&grid, Slope::new(3.0, 0.0), false, true), Slope::new(3.0, 0.0));
+    assert_eq!(stepped(&grid, Slope::new(1.0, 0.0), true, true), Slope::new(1.0, 0.25));
+    assert_eq!(snapped(&grid, Slope::new(1.4, 0.6)), Slope::new(1.0, 0.0));
 }
 
 #[test]
@@ -78,17 +65,7 @@ fn each_method_takes_the_edited_parameters_in_its_own_way() {
 }
 
 #[test]
-fn what_is_asked_is_what_the_commands_ask_by_default() {
-    let lab = Lab { methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(), ..Lab::default() };
-    let study = lab.study(&SearchParams::default(), None).expect("sound");
-    assert_eq!(study, Study::Chart(Box::default()));
-    let given = SearchParams { slopes: SlopeGrid::default().into(), ..SearchParams::default() };
-    let Study::Chart(study) = lab.study(&given, None).expect("sound") else { panic!("a study of charts") };
-    assert_eq!(study.searches.slopes_1d, given.at_given().slopes);
-}
-
-#[test]
-fn the_number_of_frames_needs_one_ratio_and_whole_numbers() {
+fn studies_ask_as_commands_by_default_and_ratios_and_numbers_of_frames_are_read_as_typed() {
     let with = |snrs: &str, counts: &str| {
         let question = LabQuestion::Frames;
         let (snrs_text, counts_text) = (snrs.to_owned(), counts.to_owned());
@@ -101,15 +78,17 @@ fn the_number_of_frames_needs_one_ratio_and_whole_numbers() {
     assert!(with("0.6", "2, ten").expect_err("a word").contains("'ten'"));
     let lab = Lab { question: LabQuestion::BurstFrames, ..Lab::default() };
     assert!(lab.study(&SearchParams::default(), None).expect_err("no burst").contains("open a burst"));
-}
-
-#[test]
-fn ratios_are_read_as_they_are_typed() {
     let read = |text: &str| Lab { snrs_text: text.to_owned(), ..Lab::default() }.snrs();
     assert_eq!(read(" 0.2,0.35 , 0.2,"), Ok(vec![0.2, 0.35]));
     for (text, says) in [("0.2; 1", "'0.2; 1'"), ("-1", "'-1'"), ("NaN", "'NaN'"), (" ,", "no ratio")] {
         assert!(read(text).expect_err(text).contains(says), "{text}");
     }
+    let lab = Lab { methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(), ..Lab::default() };
+    let study = lab.study(&SearchParams::default(), None).expect("sound");
+    assert_eq!(study, Study::Chart(Box::default()));
+    let given = SearchParams { slopes: SlopeGrid::default().into(), ..SearchParams::default() };
+    let Study::Chart(study) = lab.study(&given, None).expect("sound") else { panic!("a study of charts") };
+    assert_eq!(study.searches.slopes_1d, given.at_given().slopes);
 }
 
 fn compared(read: [ReadTrajectory; 3]) -> ComparedPoses {
@@ -131,7 +110,7 @@ fn trajectory(centres: &[[f64; 3]]) -> Arc<Trajectory> {
 }
 
 #[test]
-fn estimates_of_other_scales_lie_on_the_truth() {
+fn estimates_of_other_scales_lie_on_the_truth_and_cameras_in_one_place_or_on_a_line_have_a_plane() {
     let truth = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 2.0, 0.0], [0.0, 2.0, 1.0]];
     let estimate = truth.map(|c| c.map(|x| 10.0 * x + 3.0));
     let second = truth.map(|c| c.map(|x| 0.1 * x - 7.0));
@@ -152,6 +131,12 @@ fn estimates_of_other_scales_lie_on_the_truth() {
     let drawn = |read| scene(&compared(read), Projection::Xy, true).cameras.map(|cameras| cameras.len());
     assert_eq!(drawn([first, second.clone(), None]), [3, 0, 0]);
     assert_eq!(drawn([read("one", &[[0.0; 3]]), second, truth]), [0, 3, 4]);
+    for centres in [&[][..], &[[1.0, 1.0, 1.0]; 2], &[[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]] {
+        let truth = Some(("t".into(), trajectory(centres)));
+        let drawn = scene(&compared([None, None, truth]), Projection::Principal, false);
+        assert!(drawn.size.0 >= 300 && drawn.size.1 >= 300, "{:?}", drawn.size);
+        assert!(drawn.cameras[2].iter().all(|s| s.pos.is_finite()));
+    }
 }
 
 #[test]
@@ -174,16 +159,6 @@ fn points_lie_where_their_cameras_saw_them_and_are_in_the_section_shown() {
     // Not aligned, the points have no place beside the truth.
     let apart = ComparedPoses { reports: [Some(Err("no".into())), None], ..both };
     assert_eq!(scene(&apart, Projection::Xz, true).points, []);
-}
-
-#[test]
-fn cameras_in_one_place_or_on_a_line_have_a_plane() {
-    for centres in [&[][..], &[[1.0, 1.0, 1.0]; 2], &[[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]] {
-        let truth = Some(("t".into(), trajectory(centres)));
-        let drawn = scene(&compared([None, None, truth]), Projection::Principal, false);
-        assert!(drawn.size.0 >= 300 && drawn.size.1 >= 300, "{:?}", drawn.size);
-        assert!(drawn.cameras[2].iter().all(|s| s.pos.is_finite()));
-    }
 }
 
 fn feature(u: f32, sigma: f32, slope_u: f32) -> Feature {
@@ -212,12 +187,11 @@ fn filters_add_up_and_the_order_turns_round() {
     assert_eq!(listed(&filter, Order::default()), [1, 2]);
     filter.hide_slope_limit = true;
     assert_eq!(listed(&filter, Order::default()), [1]);
-    let near = Filter { near_slope: Some(0.5), ..Filter::default() };
-    assert_eq!(listed(&near, Order::default()), [0]);
+    assert_eq!(listed(&Filter { near_slope: Some(0.5), ..Filter::default() }, Order::default()), [0]);
 }
 
 #[test]
-fn features_are_at_a_slope_by_their_motion_and_filtered_by_layer_and_by_how_they_move() {
+fn features_are_at_a_slope_by_their_motion_half_way_to_the_next_and_filtered_by_layer() {
     let placed = Feature { field: Slope::new(2.0, 0.0), field_sigma: 0.05, slope_sigma: 0.2, ..feature(5.0, 2.0, 2.2) };
     let placed = Feature { moves: Moves::WithSurroundings, ..placed };
     let by_itself = Feature { slope: Slope::new(-1.0, 0.0), layer: 0, moves: Moves::ByItself, ..placed };
@@ -245,35 +219,13 @@ fn features_are_at_a_slope_by_their_motion_and_filtered_by_layer_and_by_how_they
     let text = toml::to_string(&filter).expect("text");
     assert!(text.contains("solo_layer = 1") && text.contains("hidden_layers = [2]"), "{text}");
     assert_eq!(toml::from_str::<Filter>(&text).expect("a filter"), filter);
-}
-
-#[test]
-fn features_belong_to_a_slope_half_way_to_the_next() {
     assert!((near_slope(&SlopeGrid::line(-2.0..=2.0, 5)) - 0.55).abs() < 1e-6);
     assert!((near_slope(&SlopeGrid::plane(-1.0..=1.0, 5, -2.0..=2.0, 3)) - 1.1).abs() < 1e-6);
     assert_eq!(near_slope(&SlopeGrid::line(0.0..=0.0, 1)), 0.1, "of a single slope those that are nearly there");
 }
 
 #[test]
-fn depths_sort_the_features_and_unknown_ones_come_last() {
-    let features = [feature(5.0, 2.0, -2.5), feature(1.0, 4.0, 2.0), feature(3.0, 8.0, -20.0)];
-    let order = Order::default().clicked(Quantity::Depth);
-    let mut document = Document { order, ..Document::default() };
-    let sorted = |by: &Document| by.listed(&features, &[], &SlopeGrid::default(), Slope::default());
-    assert_eq!(sorted(&document), [0, 1, 2], "without a set-up no depth is known");
-    document.set_up.reads_depths = true;
-    assert_eq!(sorted(&document), [2, 0, 1]);
-    assert_eq!(quantity_text(Quantity::Depth, 0, &features[0], document.set_up.known(&features[0], None)), "8");
-}
-
-#[test]
-fn a_response_of_a_dark_burst_is_not_nought() {
-    let dark = Feature { response: -0.000_021_7, ..feature(5.0, 2.0, 3.0) };
-    assert_eq!(quantity_text(Quantity::Response, 0, &dark, KnownOfFeature::default()), "−2.17e−5");
-}
-
-#[test]
-fn every_quantity_has_a_record_and_a_text() {
+fn every_quantity_has_a_record_and_a_text_and_a_response_of_a_dark_burst_is_not_nought() {
     let feature = feature(5.0, 2.0, 3.0);
     for quantity in Quantity::ALL {
         let record = quantity.record();
@@ -282,6 +234,8 @@ fn every_quantity_has_a_record_and_a_text() {
         assert!(!quantity_text(quantity, 0, &feature, KnownOfFeature::default()).is_empty(), "{quantity:?}");
         assert!(record.term.is_none_or(|term| burstscope::teach::glossary::glossary().find(term).is_some()));
     }
+    let dark = Feature { response: -0.000_021_7, ..feature };
+    assert_eq!(quantity_text(Quantity::Response, 0, &dark, KnownOfFeature::default()), "−2.17e−5");
 }
 
 const SIZE: (usize, usize) = (1600, 1200);
@@ -291,7 +245,7 @@ fn canvas() -> Rect {
 }
 
 #[test]
-fn a_view_follows_another_and_keeps_its_distance() {
+fn a_view_follows_another_and_keeps_its_distance_and_the_pane_in_focus_goes_on_in_every_preset() {
     let mut other = View::new(Zoom::PointsPerPixel(2.0), [100.0, 80.0]);
     let mut mine = View::new(Zoom::PointsPerPixel(2.0), [110.0, 85.0]);
     let before = other;
@@ -305,10 +259,22 @@ fn a_view_follows_another_and_keeps_its_distance() {
     other.set_fit();
     mine.follow(&before, &other);
     assert!(mine.is_fit());
+    let params = DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, 7), ..DetectorParams::default() };
+    for (preset, ..) in Preset::ALL {
+        for kind in ViewKind::OF_CURSOR {
+            let mut pane = Pane::new(Side::A);
+            pane.cursor.slope = Slope::new(1.0, 0.0);
+            pane.show(kind);
+            let laid = preset.lay_out(&pane, &params);
+            let panes: Vec<&Pane> = laid.rows.iter().flatten().collect();
+            assert_eq!(panes[laid.focus].cursor.slope, Slope::new(1.0, 0.0), "{preset:?} {kind:?}");
+            assert!(panes.iter().all(|pane| pane.side == Side::A));
+        }
+    }
 }
 
 #[test]
-fn zoom_has_limits_and_the_image_stays_reachable() {
+fn zoom_has_limits_the_image_stays_reachable_and_positions_exact_far_out() {
     let mut view = View::fit();
     view.settle(canvas(), SIZE, 1.0);
     (0..100).for_each(|_| view.zoom_at(canvas().center(), 2.0, canvas()));
@@ -319,6 +285,11 @@ fn zoom_has_limits_and_the_image_stays_reachable() {
     view.pan(Vec2::new(1e7, -1e7));
     view.settle(canvas(), SIZE, 1.0);
     assert_eq!(view.centre_image, [-0.5, 1199.5]);
+    let t = RectTransform::new(pos2(16000.0, 16000.0), pos2(500.0, 400.0), 128.0);
+    let moved = t.pos(pos2(16000.0 + 1.0 / 64.0, 16000.0)) - t.pos(pos2(16000.0, 16000.0));
+    assert!((moved.x - 2.0).abs() < 1e-3, "{moved:?}");
+    let back = t.inverse().pos(t.pos(pos2(-100.0, 20_000.0)));
+    assert!((back - pos2(-100.0, 20_000.0)).length() < 0.02, "{back:?}");
 }
 
 proptest! {
@@ -333,21 +304,10 @@ proptest! {
             RectTransform::new(view.centre_image.into(), canvas().center(), view.points_per_pixel())
         };
         let before = unsnapped(&view).inverse().pos(pointer);
-        for factor in factors {
-            view.zoom_at(pointer, factor, canvas());
-        }
+        factors.into_iter().for_each(|factor| view.zoom_at(pointer, factor, canvas()));
         let after = unsnapped(&view).pos(before);
         prop_assert!((after - pointer).length() < 0.05, "{after:?} instead of {pointer:?}");
     }
-}
-
-#[test]
-fn positions_stay_exact_far_out_at_high_zoom() {
-    let t = RectTransform::new(pos2(16000.0, 16000.0), pos2(500.0, 400.0), 128.0);
-    let moved = t.pos(pos2(16000.0 + 1.0 / 64.0, 16000.0)) - t.pos(pos2(16000.0, 16000.0));
-    assert!((moved.x - 2.0).abs() < 1e-3, "{moved:?}");
-    let back = t.inverse().pos(t.pos(pos2(-100.0, 20_000.0)));
-    assert!((back - pos2(-100.0, 20_000.0)).length() < 0.02, "{back:?}");
 }
 
 #[test]
@@ -383,7 +343,7 @@ fn a_mask_hides_what_lies_inside_of_outlines_and_what_no_frame_shows() {
 }
 
 #[test]
-fn only_a_sound_set_up_gives_depths() {
+fn only_a_sound_set_up_gives_depths_and_they_sort_the_features_unknown_ones_last() {
     let state = SetUpState::default();
     let alone = Feature { slope: Slope::new(-2.5, 0.0), slope_sigma: 0.25, ..Feature::default() };
     assert_eq!(state.known(&alone, None).depth_m, None);
@@ -394,26 +354,18 @@ fn only_a_sound_set_up_gives_depths() {
     assert_eq!(read.known(&edge, None).depth_m, Some([4.0, 0.2]), "as its surroundings");
     let typed = SetUpState { values: SetUp { speed_m_s: -1.0, ..SetUp::default() }, ..read };
     assert_eq!(typed.depths_by(), None);
+    let features = [feature(5.0, 2.0, -2.5), feature(1.0, 4.0, 2.0), feature(3.0, 8.0, -20.0)];
+    let order = Order::default().clicked(Quantity::Depth);
+    let mut document = Document { order, ..Document::default() };
+    let sorted = |by: &Document| by.listed(&features, &[], &SlopeGrid::default(), Slope::default());
+    assert_eq!(sorted(&document), [0, 1, 2], "without a set-up no depth is known");
+    document.set_up.reads_depths = true;
+    assert_eq!(sorted(&document), [2, 0, 1]);
+    assert_eq!(quantity_text(Quantity::Depth, 0, &features[0], document.set_up.known(&features[0], None)), "8");
 }
 
 #[test]
-fn the_pane_in_focus_goes_on_in_every_preset() {
-    let params = DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, 7), ..DetectorParams::default() };
-    for (preset, ..) in Preset::ALL {
-        for kind in ViewKind::OF_CURSOR {
-            let mut pane = Pane::new(Side::A);
-            pane.cursor.slope = Slope::new(1.0, 0.0);
-            pane.show(kind);
-            let laid = preset.lay_out(&pane, &params);
-            let panes: Vec<&Pane> = laid.rows.iter().flatten().collect();
-            assert_eq!(panes[laid.focus].cursor.slope, Slope::new(1.0, 0.0), "{preset:?} {kind:?}");
-            assert!(panes.iter().all(|pane| pane.side == Side::A));
-        }
-    }
-}
-
-#[test]
-fn pairs_are_listed_in_the_order_that_was_clicked() {
+fn pairs_are_listed_in_the_order_that_was_clicked_and_the_step_that_lost_most_is_said() {
     let mut table = PairTable::default();
     for (pair, putative, inliers) in [((0, 1), 30, 20), ((0, 2), 40, 0), ((1, 2), 30, 25)] {
         table.counts.insert(pair, MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() });
@@ -431,10 +383,6 @@ fn pairs_are_listed_in_the_order_that_was_clicked() {
     let of_burst = |strongest| table.of_burst(0, strongest).map(|(pair, _)| pair);
     assert_eq!([of_burst(true), of_burst(false)], [Some((0, 1)), Some((0, 2))]);
     assert_eq!(table.of_burst(3, true), None);
-}
-
-#[test]
-fn the_step_that_lost_most_is_said_as_far_as_it_is_known() {
     let counts = MatchCounts { keypoints_a: 200, putative: 60, inliers: Some(12), ..MatchCounts::default() };
     let (text, lost) = lost_text(&counts, None);
     assert_eq!(text, "12 inliers of about 30 needed; 70 % of 200 keypoints lost: ratio test or mutual check");
@@ -446,14 +394,12 @@ fn the_step_that_lost_most_is_said_as_far_as_it_is_known() {
     assert_eq!(exact.0, "12 inliers of about 30 needed; 67 % of 200 keypoints lost: mutual check");
     assert_eq!((lost, exact.1), (Lost::RatioTest, Lost::MutualCheck));
     let refused = MatchCounts { putative: 190, inliers: Some(0), refused: Some(Refusal::Motions), ..counts };
-    assert!(
-        lost_text(&refused, None).0.contains("refused: the motions")
-            && lost_text(&refused, None).0.ends_with("geometry")
-    );
+    assert!(lost_text(&refused, None).0.contains("refused: the motions"));
+    assert!(lost_text(&refused, None).0.ends_with("geometry"));
 }
 
 #[test]
-fn rows_and_columns_have_the_names_of_their_bursts() {
+fn rows_and_columns_have_the_names_of_their_bursts_and_more_is_lighter() {
     let burst = |name: &str| burstscope::burst::BurstFiles { name: name.to_owned(), paths: Vec::new() };
     let dataset = Dataset::new(burstscope::requests::OpenDataset {
         strays: Vec::new(),
@@ -481,10 +427,6 @@ fn rows_and_columns_have_the_names_of_their_bursts() {
     texts.sort();
     let both = |name: &str| [false, true].map(|upwards| (name.to_owned(), upwards));
     assert_eq!(texts, [both("0"), both("dusk")].concat());
-}
-
-#[test]
-fn more_is_lighter_and_numbers_can_be_read() {
     let colours = CountColours::new(400);
     let lightness = |c: Color32| 0.3 * f32::from(c.r()) + 0.59 * f32::from(c.g()) + 0.11 * f32::from(c.b());
     let mut before = -1.0;

@@ -1,8 +1,7 @@
 //! Random damage, for the tests of all readers of files that somebody else may have written.
 #![allow(dead_code)] // Each test program uses a part of it.
 
-use proptest::prelude::*;
-use proptest::sample::Index;
+use proptest::{prelude::*, sample::Index};
 
 /// Bytes inserted where they do not belong: numbers at the ends of their ranges, signatures of the formats, bytes that
 /// are no text.
@@ -40,7 +39,6 @@ const JUNK: [&[u8]; 30] = [
     b"\"\"\"",
 ];
 
-/// One damage.
 #[derive(Debug, Clone)]
 pub enum Damage {
     Flip(Index, u8),
@@ -51,7 +49,6 @@ pub enum Damage {
     Cut(Index),
 }
 
-/// A list of a few damages.
 pub fn damage() -> impl Strategy<Value = Vec<Damage>> {
     let at = any::<Index>;
     let one = prop_oneof![
@@ -101,12 +98,10 @@ pub fn damaged(sound: &[u8], damages: &[Damage]) -> Vec<u8> {
     bytes
 }
 
-/// `sound` after these damages as text; invalid UTF-8 is replaced.
 pub fn damaged_text(sound: &str, damages: &[Damage]) -> String {
     String::from_utf8_lossy(&damaged(sound.as_bytes(), damages)).into_owned()
 }
 
-/// Whether an error's message is not blank.
 pub fn says_something(error: &dyn std::fmt::Display) -> bool {
     !error.to_string().trim().is_empty()
 }
@@ -135,7 +130,6 @@ pub fn absurd(number: &toml::Value) -> Vec<toml::Value> {
     }
 }
 
-/// Paths of all numbers, with the numbers.
 pub fn numbers(value: &toml::Value) -> Vec<(Vec<String>, toml::Value)> {
     let below = |key: String, value: &toml::Value| {
         let prefixed = move |(path, number): (Vec<String>, _)| ([vec![key.clone()], path].concat(), number);

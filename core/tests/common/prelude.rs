@@ -4,8 +4,7 @@
 pub use crate::shared::{Folder, folder, folder_with, names, says, shared};
 pub use burstscope_core::burst::*;
 pub use burstscope_core::detect::{detect, search};
-pub use burstscope_core::detector::params::*;
-pub use burstscope_core::detector::*;
+pub use burstscope_core::detector::{params::*, *};
 pub use burstscope_core::error::{Error, ErrorKind};
 pub use burstscope_core::inspect::{ProbeCache, place::ProbeOptions, place::probe};
 pub use burstscope_core::matching::{Geometry, MatchParams};
@@ -15,9 +14,8 @@ pub use burstscope_core::synth::{
     ChartParams, Example, FeatureTruth, LayerTruth, Motion, NoiseCase, NoiseKind, RadiusLaw, SceneParams, Truth,
     TruthKind, Uneven, demo_burst, demo_truth, later_demo_burst, random::Stream, synth_chart, synth_scene,
 };
-pub use std::fs;
-pub use std::path::{Path, PathBuf};
-pub use std::sync::Arc;
+pub use proptest::prelude::*;
+pub use std::{fs, path::Path, path::PathBuf, sync::Arc};
 
 /// Monitor that nobody hears or cancels.
 pub fn quiet() -> Monitor {
@@ -31,7 +29,6 @@ pub fn cancelled() -> Monitor {
     monitor
 }
 
-/// Does the work on so many threads.
 pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(work)
 }

@@ -8,9 +8,6 @@
 use std::path::{Path, PathBuf};
 
 /// The path `relative` below the folder of real input.
-///
-/// # Panics
-/// Where it is missing.
 pub fn shared(relative: &str) -> PathBuf {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     let checkout = package.ancestors().find(|folder| folder.join("Cargo.lock").exists()).unwrap_or(package);
@@ -20,7 +17,6 @@ pub fn shared(relative: &str) -> PathBuf {
     path
 }
 
-/// A folder that disappears after the test.
 pub struct Folder(tempfile::TempDir);
 
 impl std::ops::Deref for Folder {
@@ -37,18 +33,14 @@ impl AsRef<Path> for Folder {
     }
 }
 
-/// A new folder.
 pub fn folder() -> Folder {
     Folder(tempfile::tempdir().expect("a temporary folder"))
 }
 
-/// Asserts that a text has all of these words.
 #[track_caller]
 pub fn says(text: impl std::fmt::Display, words: &[&str]) {
     let text = text.to_string();
-    for word in words {
-        assert!(text.contains(word), "no '{word}' in: {text}");
-    }
+    words.iter().for_each(|word| assert!(text.contains(word), "no '{word}' in: {text}"));
 }
 
 /// A new folder that disappears after the test, and the path of this name in it.

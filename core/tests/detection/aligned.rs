@@ -33,7 +33,7 @@ fn inliers(result: &MatchResult) -> Vec<((usize, usize), [f64; 2])> {
 }
 
 #[test]
-fn from_b_to_a_they_are_those_from_a_to_b() {
+fn from_b_to_a_they_are_those_from_a_to_b_and_places_that_the_pictures_correct_fit_the_geometry_exactly() {
     let bursts = [demo_burst(), later_demo_burst()];
     let [a, b] = [found(&bursts[0]), found(&bursts[1])];
     let there = matched([(&bursts[0], &a), (&bursts[1], &b)], Geometry::Fundamental);
@@ -45,10 +45,21 @@ fn from_b_to_a_they_are_those_from_a_to_b() {
     // Samples of the search for a geometry are drawn in another order, and a match is predicted by the motion of the
     // place that it begins from: 92 to 93 of 100 are the same with six seeds.
     assert!(both > 300 && both * 100 >= there.len().max(back.len()) * 91);
+    let [a, b, found] = scene(80);
+    let (aligned, verified) = confirmed_of(80, |i| Some(measured(found[i], b[i])), [&a, &found]);
+    assert!(verified.model.is_some() && verified.inlier_count() == 80, "{}", verified.inlier_count());
+    // A prior that is weak beside the measurement leaves a hundredth of the correction.
+    let apart = |i: usize| {
+        let correction = |side: usize, before: [f64; 2], k: usize| aligned.places[side][i][k] - before[k];
+        [0, 1].map(|k| found[i][k] - b[i][k] + correction(1, found[i], k) - correction(0, a[i], k))
+    };
+    let largest = (0..80).flat_map(apart).map(f64::abs).fold(0.0, f64::max);
+    assert!(largest < 0.05, "{largest} px");
+    assert!(verified.error_px.iter().all(|error| *error < 0.5), "{:?}", verified.error_px);
 }
 
 #[test]
-fn a_burst_that_is_shifted_is_found_to_be_shifted() {
+fn a_shifted_burst_is_found_to_be_and_places_that_contradict_their_other_matches_lose_them() {
     let burst = demo_burst();
     let frames = burst.frames.iter().map(|frame| {
         let (width, height) = frame.size();
@@ -68,6 +79,23 @@ fn a_burst_that_is_shifted_is_found_to_be_shifted() {
     let of = |part: f64| errors_px[(part * (errors_px.len() - 1) as f64) as usize];
     println!("{} inliers, {:.3} px in the median, {:.3} px of 95 in 100", found.len(), of(0.5), of(0.95));
     assert!(found.len() * 2 > result.matches.len() && of(0.5) < 0.02 && of(0.95) < 0.2);
+    // Three images; the third sees the first's places 5 px beside where the second one does.
+    let [a, b, _] = scene(60);
+    let mut alignment = Alignment::default();
+    [&a, &b, &b].into_iter().for_each(|places| alignment.add_image(places.clone(), &blobs(60), None));
+    let found = |i: usize| Inlier { a: i as u32, b: i as u32, rank: 0.5 };
+    let mut pairs = [(0, 1), (0, 2), (1, 2)].map(|images| (images, Vec::new()));
+    for (images, matches) in &mut pairs {
+        for (i, &at) in b.iter().enumerate() {
+            let to = if *images == (0, 2) && i < 20 { [at[0] + 5.0, at[1]] } else { at };
+            matches.push((found(i), Some(alignment.add_match(*images, (i, i), measured(at, to)))));
+        }
+    }
+    let aligned = alignment.solve(&quiet()).expect("not cancelled");
+    let (images, matches) = &pairs[1];
+    let params = MatchParams::default();
+    let verified = aligned.confirmed(*images, None, matches, &params, &quiet()).expect("valid").expect("asked");
+    assert!(!verified.inlier[..20].contains(&true) && verified.inlier[20..].iter().all(|inlier| *inlier));
 }
 
 /// Places of B in an image of 200×100, of which the left 50 columns are hidden, after the alignment with those of A,
@@ -174,56 +202,15 @@ fn confirmed_of(
 }
 
 #[test]
-fn places_that_the_pictures_correct_fit_the_geometry_exactly() {
-    let [a, b, found] = scene(80);
-    let (aligned, verified) = confirmed_of(80, |i| Some(measured(found[i], b[i])), [&a, &found]);
-    assert!(verified.model.is_some() && verified.inlier_count() == 80, "{}", verified.inlier_count());
-    // A prior that is weak beside the measurement leaves a hundredth of the correction.
-    let apart = |i: usize| {
-        let correction = |side: usize, before: [f64; 2], k: usize| aligned.places[side][i][k] - before[k];
-        [0, 1].map(|k| found[i][k] - b[i][k] + correction(1, found[i], k) - correction(0, a[i], k))
-    };
-    let largest = (0..80).flat_map(apart).map(f64::abs).fold(0.0, f64::max);
-    assert!(largest < 0.05, "{largest} px");
-    assert!(verified.error_px.iter().all(|error| *error < 0.5), "{:?}", verified.error_px);
-}
-
-#[test]
-fn what_is_not_measured_stays_where_it_is_and_is_no_inlier() {
+fn what_is_not_measured_stays_where_it_is_and_is_no_inlier_and_a_pair_that_keeps_few_matches_is_refused() {
     let [a, b, _] = scene(80);
     let (aligned, verified) = confirmed_of(80, |i| (i < 60).then(|| measured(b[i], b[i])), [&a, &b]);
     assert!(aligned.places[0][60..] == a[60..] && aligned.places[1][60..] == b[60..]);
     assert!(verified.inlier[..60].iter().all(|inlier| *inlier) && !verified.inlier[60..].contains(&true));
     assert!(verified.error_px[60..].iter().all(|error| *error < 0.5), "its error is known all the same");
-}
-
-#[test]
-fn a_pair_that_keeps_few_matches_is_refused() {
     let [a, b, _] = scene(200);
     for (kept, is_believed) in [(29, false), (49, false), (60, true)] {
         let (_, verified) = confirmed_of(200, |i| (i < kept).then(|| measured(b[i], b[i])), [&a, &b]);
         assert_eq!((verified.model.is_some(), verified.inlier.contains(&true)), (is_believed, is_believed), "{kept}");
     }
-}
-
-#[test]
-fn places_that_contradict_their_other_matches_lose_them() {
-    // Three images; the third sees the first's places 5 px beside where the second one does.
-    let [a, b, _] = scene(60);
-    let mut alignment = Alignment::default();
-    [&a, &b, &b].into_iter().for_each(|places| alignment.add_image(places.clone(), &blobs(60), None));
-    let found = |i: usize| Inlier { a: i as u32, b: i as u32, rank: 0.5 };
-    let mut pairs = [(0, 1), (0, 2), (1, 2)].map(|images| (images, Vec::new()));
-    for (images, matches) in &mut pairs {
-        for (i, &at) in b.iter().enumerate() {
-            let to = if *images == (0, 2) && i < 20 { [at[0] + 5.0, at[1]] } else { at };
-            let link = alignment.add_match(*images, (i, i), measured(at, to));
-            matches.push((found(i), Some(link)));
-        }
-    }
-    let aligned = alignment.solve(&quiet()).expect("not cancelled");
-    let (images, matches) = &pairs[1];
-    let params = MatchParams::default();
-    let verified = aligned.confirmed(*images, None, matches, &params, &quiet()).expect("valid").expect("asked");
-    assert!(!verified.inlier[..20].contains(&true) && verified.inlier[20..].iter().all(|inlier| *inlier));
 }

@@ -1,11 +1,7 @@
 //! Bursts with exact motions: one for all, an ellipse before a background, stripes, nothing.
 
-use burstscope_core::burst::Positions;
-use burstscope_core::detector::field::{in_focus, motion_field};
-use burstscope_core::detector::stack::FrameTimes;
-use burstscope_core::detector::{Motion, MotionField, MotionLayer, Slope};
-use burstscope_core::{Cancelled, Monitor, Plane, SlopeGrid};
-use proptest::prelude::*;
+use crate::prelude::*;
+use burstscope_core::detector::{Motion, field::in_focus, field::motion_field, stack::FrameTimes};
 
 const FRAMES: usize = 9;
 const SIZE: (usize, usize) = (256, 224);
@@ -50,12 +46,11 @@ fn field_of(frames: &[Plane], grid: &SlopeGrid) -> MotionField {
 /// Share of the places, at least 24 pixels inside, that are within 0.35 px/frame of `truth`.
 fn right(field: &MotionField, truth: impl Fn(usize, usize) -> Option<Slope>) -> f64 {
     let places = (24..SIZE.1 - 24).step_by(8).flat_map(|v| (24..SIZE.0 - 24).step_by(8).map(move |u| (u, v)));
-    let known: Vec<bool> = places
-        .filter_map(|(u, v)| {
-            let (found, truth) = (field.at(u as f32, v as f32).slope, truth(u, v)?);
-            Some((found.u - truth.u).hypot(found.v - truth.v) < 0.35)
-        })
-        .collect();
+    let is_right = |(u, v)| {
+        let (found, truth) = (field.at(u as f32, v as f32).slope, truth(u, v)?);
+        Some((found.u - truth.u).hypot(found.v - truth.v) < 0.35)
+    };
+    let known: Vec<bool> = places.filter_map(is_right).collect();
     known.iter().filter(|right| **right).count() as f64 / known.len() as f64
 }
 
@@ -69,13 +64,12 @@ proptest! {
     fn one_motion_is_found_everywhere_in_the_dark(slope_u in -2.5f32..2.5, slope_v in -2.5f32..2.5, seed in 0u64..1000) {
         let slope = Slope::new(slope_u, slope_v);
         let plane = SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7);
-        let field = field_of(&frames(0.1, moving(slope, seed)), &plane);
-        prop_assert!(right(&field, |_, _| Some(slope)) > 0.98);
+        prop_assert!(right(&field_of(&frames(0.1, moving(slope, seed)), &plane), |_, _| Some(slope)) > 0.98);
     }
 }
 
 #[test]
-fn a_line_of_slopes_in_any_direction_finds_its_motion() {
+fn a_line_of_slopes_in_any_direction_finds_its_motion_and_a_thing_before_a_background_its_own() {
     for (direction_deg, along) in [(0.0f32, 1.3f32), (90.0, -0.7), (30.0, 2.1)] {
         let (sin, cos) = direction_deg.to_radians().sin_cos();
         let slope = Slope::new(cos * along, sin * along);
@@ -86,10 +80,6 @@ fn a_line_of_slopes_in_any_direction_finds_its_motion() {
         let across = sin * sin * uu - 2.0 * sin * cos * uv + cos * cos * vv;
         assert!(across < 0.01 * (uu + vv) + 0.0025, "{direction_deg}°: {across} of {uu} {vv}");
     }
-}
-
-#[test]
-fn a_thing_before_a_background_keeps_its_own_motion() {
     let (behind, before) = (Slope::new(-0.8, 0.0), Slope::new(1.6, 0.0));
     let inside = |u: f32, v: f32| ((u - 120.0) / 66.0).hypot((v - 110.0) / 60.0) < 1.0;
     let scene = |u: f32, v: f32, t: f32| {
@@ -98,9 +88,8 @@ fn a_thing_before_a_background_keeps_its_own_motion() {
     let field = field_of(&frames(0.06, scene), &SlopeGrid::line(-3.0..=3.0, 7));
     let of = |wanted: bool| {
         // Between the two a cell shows both.
-        let rim = |u: usize, v: usize| ((u as f32 - 120.0) / 66.0).hypot((v as f32 - 110.0) / 60.0);
         right(&field, |u, v| {
-            let r = rim(u, v);
+            let r = ((u as f32 - 120.0) / 66.0).hypot((v as f32 - 110.0) / 60.0);
             if wanted { (r < 0.7).then_some(before) } else { (r > 1.5).then_some(behind) }
         })
     };
@@ -108,7 +97,7 @@ fn a_thing_before_a_background_keeps_its_own_motion() {
 }
 
 #[test]
-fn one_motion_is_one_layer_and_two_are_two_with_their_shares() {
+fn one_motion_is_one_layer_and_two_are_two_by_depth_with_what_moves_by_itself_last() {
     let of =
         |scene: &dyn Fn(f32, f32, f32) -> f32| field_of(&frames(0.06, scene), &SlopeGrid::line(-3.0..=3.0, 7)).layers;
     let (left, right) = (Slope::new(-0.8, 0.0), Slope::new(1.6, 0.0));
@@ -123,10 +112,6 @@ fn one_motion_is_one_layer_and_two_are_two_with_their_shares() {
     for (layer, slope) in two.iter().zip([right, left]) {
         assert!((layer.slope.u - slope.u).abs() < 0.25 && (layer.share - 0.5).abs() < 0.1, "{layer:?} {slope:?}");
     }
-}
-
-#[test]
-fn layers_come_by_depth_and_what_moves_by_itself_last() {
     // Three strips at different depths, the farthest in the middle, and a thing that moves across their motion.
     let slopes = [Slope::new(1.2, 0.0), Slope::new(0.2, 0.0), Slope::new(2.2, 0.0)];
     let across = Slope::new(0.3, -1.5);
@@ -151,9 +136,8 @@ fn layers_come_by_depth_and_what_moves_by_itself_last() {
 }
 
 #[test]
-fn a_cropped_burst_has_the_cropped_field() {
-    let scene = moving(Slope::new(1.1, 0.4), 6);
-    let whole = frames(0.05, &scene);
+fn a_cropped_burst_has_the_cropped_field_and_a_transposed_one_the_transposed() {
+    let whole = frames(0.05, moving(Slope::new(1.1, 0.4), 6));
     let cropped: Vec<Plane> =
         whole.iter().map(|frame| Plane::from_fn(176, 160, |u, v| frame.at(u + 48, v + 32))).collect();
     let grid = SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5);
@@ -161,6 +145,16 @@ fn a_cropped_burst_has_the_cropped_field() {
     for (u, v) in [(40.0, 40.0), (100.0, 80.0), (140.0, 120.0)] {
         let (a, b) = (whole.at(u + 48.0, v + 32.0), cropped.at(u, v));
         assert!(a.distance(b.slope, b.ellipse().0[0]) < 2.0, "{a:?} {b:?}");
+    }
+    let slope = Slope::new(1.2, -0.6);
+    let upright = frames(0.08, moving(slope, 8));
+    let turned: Vec<Plane> = upright.iter().map(|f| Plane::from_fn(SIZE.1, SIZE.0, |u, v| f.at(v, u))).collect();
+    let grid = SlopeGrid::plane(-3.0..=3.0, 7, -2.0..=2.0, 5);
+    let turned = field_of(&turned, &SlopeGrid { u: grid.v, v: grid.u, ..grid });
+    let upright = field_of(&upright, &grid);
+    for (u, v) in [(40.0, 40.0), (128.0, 112.0), (200.0, 60.0)] {
+        let (a, b) = (upright.at(u, v).slope, turned.at(v, u).slope);
+        assert!((a.u - b.v).abs() < 0.02 && (a.v - b.u).abs() < 0.02, "{a:?} {b:?}");
     }
 }
 
@@ -206,7 +200,7 @@ fn all_in_focus_is_nearer_to_the_scene_than_any_stack() {
 }
 
 #[test]
-fn stripes_say_nothing_along_themselves() {
+fn stripes_say_nothing_along_themselves_and_noise_has_no_known_motion() {
     let slope = Slope::new(0.0, 1.0);
     let stripes = |_: f32, v: f32, t: f32| texture(0.5, v - t * slope.v, 10.0, 3);
     let field = field_of(&frames(0.03, stripes), &SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7));
@@ -214,10 +208,6 @@ fn stripes_say_nothing_along_themselves() {
     let ([long, short], angle) = motion.ellipse();
     assert!((motion.slope.v - 1.0).abs() < 0.2 && angle.sin().abs() < 0.3, "{motion:?}");
     assert!(long > 3.0 * short && !field.is_known(&motion), "{long} along, {short} across");
-}
-
-#[test]
-fn noise_has_no_known_motion() {
     for grid in [SlopeGrid::line(-3.0..=3.0, 7), SlopeGrid::plane(-1.0..=1.0, 5, -1.0..=1.0, 5)] {
         let field = field_of(&frames(0.1, |_, _, _| 0.0), &grid);
         let known = field.motions.iter().filter(|motion| field.is_known(motion)).count();
@@ -226,36 +216,17 @@ fn noise_has_no_known_motion() {
 }
 
 #[test]
-fn a_transposed_burst_has_the_transposed_field() {
-    let slope = Slope::new(1.2, -0.6);
-    let upright = frames(0.08, moving(slope, 8));
-    let turned: Vec<Plane> = upright.iter().map(|f| Plane::from_fn(SIZE.1, SIZE.0, |u, v| f.at(v, u))).collect();
-    let grid = SlopeGrid::plane(-3.0..=3.0, 7, -2.0..=2.0, 5);
-    let turned = field_of(&turned, &SlopeGrid { u: grid.v, v: grid.u, ..grid });
-    let upright = field_of(&upright, &grid);
-    for (u, v) in [(40.0, 40.0), (128.0, 112.0), (200.0, 60.0)] {
-        let (a, b) = (upright.at(u, v).slope, turned.at(v, u).slope);
-        assert!((a.u - b.v).abs() < 0.02 && (a.v - b.u).abs() < 0.02, "{a:?} {b:?}");
-    }
-}
-
-#[test]
 fn threads_change_nothing_and_little_input_has_no_field() {
     let frames = frames(0.1, moving(Slope::new(1.0, 0.0), 5));
     let grid = SlopeGrid::line(-2.0..=2.0, 5);
-    let on = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| field_of(&frames, &grid))
-    };
+    let on = |threads| on_threads(threads, || field_of(&frames, &grid));
     assert_eq!(on(1), on(3));
-    let monitor = Monitor::default();
-    let planes: Vec<&Plane> = frames.iter().collect();
-    assert_eq!(motion_field(&planes[..2], &FrameTimes::all(Positions::even(2)), &grid, &monitor), Ok(None), "2 frames");
-    let small = vec![Plane::zeros(31, 200); 5];
-    let five = FrameTimes::all(Positions::even(5));
-    assert_eq!(motion_field(&small.iter().collect::<Vec<_>>(), &five, &grid, &monitor), Ok(None), "7 cells");
-    let still = SlopeGrid::single(Slope::default());
-    assert_eq!(motion_field(&planes[..5], &five, &still, &monitor), Ok(None), "one slope");
-    monitor.cancel();
-    assert_eq!(motion_field(&planes, &FrameTimes::all(Positions::even(FRAMES)), &grid, &monitor), Err(Cancelled));
+    let of = |planes: &[Plane], grid: &SlopeGrid, monitor: &Monitor| {
+        let times = FrameTimes::all(Positions::even(planes.len()));
+        motion_field(&planes.iter().collect::<Vec<_>>(), &times, grid, monitor)
+    };
+    assert_eq!(of(&frames[..2], &grid, &quiet()), Ok(None), "2 frames");
+    assert_eq!(of(&vec![Plane::zeros(31, 200); 5], &grid, &quiet()), Ok(None), "7 cells");
+    assert_eq!(of(&frames[..5], &SlopeGrid::single(Slope::default()), &quiet()), Ok(None), "one slope");
+    assert_eq!(of(&frames, &grid, &cancelled()), Err(Cancelled));
 }

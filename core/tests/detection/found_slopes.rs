@@ -3,7 +3,6 @@
 use crate::prelude::*;
 use burstscope_core::detector::slopes::{MotionWarningKind, UniformTimes, resolve};
 
-/// Slopes found with the usual parameters.
 pub fn find(burst: &Burst) -> SlopeFinding {
     find_slopes(burst, &DetectorParams::default(), None, &quiet()).expect("not cancelled")
 }
@@ -60,7 +59,7 @@ fn seen_from(size: (usize, usize), noise: f32, frames: usize, from: impl Fn(usiz
 }
 
 #[test]
-fn the_demo_needs_a_plane_that_holds_all_its_layers() {
+fn the_demo_needs_a_plane_that_holds_all_its_layers_and_dark_charts_show_the_range_of_their_discs() {
     let burst = demo_burst();
     let finding = find(&burst);
     assert_eq!(finding.verdict, SlopeVerdict::Found, "{finding:?}");
@@ -71,10 +70,22 @@ fn the_demo_needs_a_plane_that_holds_all_its_layers() {
     let (u, v) = (finding.grid.u, finding.grid.v);
     assert!(u.min > -3.3 && u.max < 2.9 && v.min > -2.4 && v.max < 1.2, "{:?}", finding.grid);
     assert!(finding.confidence > 0.8, "{}", finding.confidence);
+    for (motion, snr) in [(Motion::OneD, 0.35), (Motion::TwoD, 0.35), (Motion::OneD, 0.6)] {
+        let chart = ChartParams { motion, snr, ..ChartParams::default() };
+        let (burst, truth) = synth_chart(&chart, &quiet()).expect("a chart");
+        let finding = find(&burst);
+        assert_eq!(finding.verdict, SlopeVerdict::Found, "{motion:?} {snr}: {finding:?}");
+        assert_eq!(finding.grid.is_plane(), motion == Motion::TwoD, "{snr}: {:?}", finding.grid);
+        let slopes = truth.features.iter().map(|f| Slope::new(f.slope_u as f32, f.slope_v as f32));
+        let held = slopes.filter(|s| holds(&finding.grid, *s, 0.0)).count();
+        assert!(held * 100 >= 96 * truth.features.len(), "{motion:?} {snr}: {held}, {:?}", finding.grid);
+        let max = f64::from(finding.grid.u.max.max(-finding.grid.u.min));
+        assert!(max < 3.0 + 2.6 * step(&burst), "{motion:?} {snr}: {:?}", finding.grid);
+    }
 }
 
 #[test]
-fn uniform_motion_in_any_direction_is_a_short_line() {
+fn uniform_motion_is_a_short_line_a_bent_way_is_not_straight_and_a_long_one_a_film() {
     for (u, v, noise) in [(1.0, 0.0, 0.05), (-4.2, 0.1, 0.2), (0.0, -2.5, 0.1), (-1.4, 0.9, 0.1), (9.0, 0.0, 0.05)] {
         let burst = moved((320, 240), noise, 8, |t| (u * t as f64, v * t as f64));
         let finding = find(&burst);
@@ -88,10 +99,20 @@ fn uniform_motion_in_any_direction_is_a_short_line() {
         assert!(f64::from(grid.u.max - grid.u.min) <= 5.0 * step(&burst), "{u} {v}: {grid:?}");
         assert!(finding.deviation_px.is_some_and(|d| d < 0.5), "{u} {v}: {:?}", finding.deviation_px);
     }
+    let shifts = [0.0, 1.0, 3.0, 2.0, -1.0];
+    let finding = find(&moved((320, 240), 0.02, 5, |t| (shifts[t], 0.0)));
+    assert_eq!(finding.verdict, SlopeVerdict::NotStraight, "{finding:?}");
+    assert!((finding.deviation_px.expect("seen") - 2.0).abs() < 0.4, "{:?}", finding.deviation_px);
+    assert!(finding.summary().contains("out of order"), "{}", finding.summary());
+    let bent = find(&moved((320, 240), 0.02, 6, |t| (0.5 * (t * t) as f64, 0.0)));
+    assert!(bent.verdict == SlopeVerdict::NotStraight && bent.warnings.is_empty(), "{}", bent.summary());
+    let film = find(&moved((240, 180), 0.02, 30, |t| (-4.0 * t as f64, 0.0)));
+    assert_eq!(film.verdict, SlopeVerdict::Film, "{film:?}");
+    assert!((film.moved_px - 116.0).abs() < 6.0, "{}", film.moved_px);
 }
 
 #[test]
-fn what_a_still_camera_sees_is_slope_0_even_in_the_dark() {
+fn what_a_still_camera_sees_is_slope_0_and_pure_noise_shows_nothing_and_gets_the_usual_grid() {
     let dark = |seed| {
         let params = ChartParams { snr: 0.2, max_slope: 0.0, seed, ..ChartParams::default() };
         synth_chart(&params, &quiet()).expect("a chart").0
@@ -104,10 +125,6 @@ fn what_a_still_camera_sees_is_slope_0_even_in_the_dark() {
         assert_eq!((finding.verdict, finding.grid.len()), (SlopeVerdict::Still, 1), "{}", finding.summary());
         assert_eq!(finding.grid.slope(0), Slope::default());
     }
-}
-
-#[test]
-fn pure_noise_shows_nothing_and_gets_the_usual_grid() {
     for seed in 0..12 {
         let mut noise = Stream::new(seed, 7);
         let frames = (0..10).map(|_| Plane::from_fn(320, 240, |_, _| 0.5 + 0.1 * noise.normal() as f32)).collect();
@@ -120,20 +137,6 @@ fn pure_noise_shows_nothing_and_gets_the_usual_grid() {
     {
         assert_eq!(find(&burst).verdict, SlopeVerdict::NothingSeen);
     }
-}
-
-#[test]
-fn a_bent_way_is_not_straight_and_a_long_one_a_film() {
-    let shifts = [0.0, 1.0, 3.0, 2.0, -1.0];
-    let finding = find(&moved((320, 240), 0.02, 5, |t| (shifts[t], 0.0)));
-    assert_eq!(finding.verdict, SlopeVerdict::NotStraight, "{finding:?}");
-    assert!((finding.deviation_px.expect("seen") - 2.0).abs() < 0.4, "{:?}", finding.deviation_px);
-    assert!(finding.summary().contains("out of order"), "{}", finding.summary());
-    let bent = find(&moved((320, 240), 0.02, 6, |t| (0.5 * (t * t) as f64, 0.0)));
-    assert!(bent.verdict == SlopeVerdict::NotStraight && bent.warnings.is_empty(), "{}", bent.summary());
-    let film = find(&moved((240, 180), 0.02, 30, |t| (-4.0 * t as f64, 0.0)));
-    assert_eq!(film.verdict, SlopeVerdict::Film, "{film:?}");
-    assert!((film.moved_px - 116.0).abs() < 6.0, "{}", film.moved_px);
 }
 
 #[test]
@@ -182,22 +185,6 @@ fn a_crop_by_a_pixel_leaves_the_grids_points_in_place() {
 }
 
 #[test]
-fn dark_charts_show_the_range_of_their_discs() {
-    for (motion, snr) in [(Motion::OneD, 0.35), (Motion::TwoD, 0.35), (Motion::OneD, 0.6)] {
-        let chart = ChartParams { motion, snr, ..ChartParams::default() };
-        let (burst, truth) = synth_chart(&chart, &quiet()).expect("a chart");
-        let finding = find(&burst);
-        assert_eq!(finding.verdict, SlopeVerdict::Found, "{motion:?} {snr}: {finding:?}");
-        assert_eq!(finding.grid.is_plane(), motion == Motion::TwoD, "{snr}: {:?}", finding.grid);
-        let slopes = truth.features.iter().map(|f| Slope::new(f.slope_u as f32, f.slope_v as f32));
-        let held = slopes.filter(|s| holds(&finding.grid, *s, 0.0)).count();
-        assert!(held * 100 >= 96 * truth.features.len(), "{motion:?} {snr}: {held}, {:?}", finding.grid);
-        let max = f64::from(finding.grid.u.max.max(-finding.grid.u.min));
-        assert!(max < 3.0 + 2.6 * step(&burst), "{motion:?} {snr}: {:?}", finding.grid);
-    }
-}
-
-#[test]
 fn periodic_texture_does_not_take_its_alias() {
     // A fine checked pattern with a weak irregularity, 2 px/frame to the right; its period is 10 px.
     let mut stream = Stream::new(8, 0);
@@ -211,32 +198,23 @@ fn periodic_texture_does_not_take_its_alias() {
             Plane::from_fn(320, 240, at)
         })
         .collect();
-    let burst = Burst::from_planes("checked", planes);
-    let finding = find(&burst);
+    let finding = find(&Burst::from_planes("checked", planes));
     assert_eq!(finding.verdict, SlopeVerdict::Found, "{finding:?}");
     assert!(holds(&finding.grid, Slope::new(2.0, 0.0), 0.0), "{:?}", finding.grid);
     assert!(!holds(&finding.grid, Slope::new(-8.0, 0.0), 0.0) && !holds(&finding.grid, Slope::new(12.0, 0.0), 0.0));
 }
 
 #[test]
-fn a_direction_that_is_asked_for_is_the_line_that_is_searched() {
+fn a_direction_that_is_asked_for_is_searched_threads_change_nothing_and_parameters_are_checked() {
     let burst = moved((320, 240), 0.1, 8, |t| (1.5 * t as f64, 1.5 * t as f64));
     let params = DetectorParams::default();
     let finding = find_slopes(&burst, &params, Some(45.0), &quiet()).expect("not cancelled");
     assert_eq!((finding.verdict, finding.grid.direction_deg), (SlopeVerdict::Found, 45.0));
     assert!(holds(&finding.grid, Slope::new(1.5, 1.5), 0.0) && !finding.grid.is_plane(), "{:?}", finding.grid);
-}
-
-#[test]
-fn threads_change_nothing_and_cancelling_ends_it() {
     let (burst, _) =
         synth_scene(&SceneParams { width: 320, height: 240, ..SceneParams::default() }, &quiet()).expect("a scene");
     assert_eq!(on_threads(1, || find(&burst)), on_threads(3, || find(&burst)));
     assert!(find_slopes(&burst, &DetectorParams::default(), None, &cancelled()).is_err());
-}
-
-#[test]
-fn parameters_are_checked_before_slopes_are_searched() {
     let frames = Some(FrameRange { start: 2, end: 99 });
     let past = SearchParams { frames, ..SearchParams::default() };
     assert!(resolve(&demo_burst(), &past, &quiet()).is_err_and(|error| error.subject == "frames"));

@@ -4,9 +4,9 @@
 //! several scales and slopes. Features are compared as sets: equal count, each with a partner near the position that
 //! the law predicts.
 
+use super::inspect::probing::blobs as gaussians;
 use crate::prelude::*;
 use burstscope_core::detector::view::{dog_view, stack_view};
-use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 const SIZE: (usize, usize) = (128, 96);
@@ -58,7 +58,6 @@ fn found(burst: &Burst, params: &DetectorParams) -> Detection {
     detect(burst, params, &quiet()).expect("valid parameters")
 }
 
-/// Features at least `margin` px from the border.
 fn inside(detection: &Detection, margin: f32) -> Vec<Feature> {
     let keep = |f: &&Feature| {
         f.u >= margin && f.v >= margin && f.u <= SIZE.0 as f32 - 1.0 - margin && f.v <= SIZE.1 as f32 - 1.0 - margin
@@ -82,18 +81,14 @@ const ROUNDING_PX: f32 = 0.1;
 /// `tolerance` px/frame.
 fn assert_all_found(ours: &[Feature], theirs: &[Feature], mapped: impl Fn(&Feature) -> Feature, tolerance: f32) {
     assert!(theirs.len() >= 4, "only {} features: the law would hold for nothing", theirs.len());
-    let missing: Vec<&Feature> = theirs
-        .iter()
-        .filter(|feature| {
-            let t = mapped(feature);
-            !ours.iter().any(|f| {
-                (f.u - t.u).hypot(f.v - t.v) <= tolerance
-                    && (f.sigma / t.sigma - 1.0).abs() <= 0.01 + 0.1 * tolerance
-                    && (f.slope.u - t.slope.u).hypot(f.slope.v - t.slope.v) <= tolerance
-                    && (f.response / t.response - 1.0).abs() <= 0.01
-            })
-        })
-        .collect();
+    let are_one = |f: &Feature, t: &Feature| {
+        (f.u - t.u).hypot(f.v - t.v) <= tolerance
+            && (f.sigma / t.sigma - 1.0).abs() <= 0.01 + 0.1 * tolerance
+            && (f.slope.u - t.slope.u).hypot(f.slope.v - t.slope.v) <= tolerance
+            && (f.response / t.response - 1.0).abs() <= 0.01
+    };
+    let missing: Vec<&Feature> =
+        theirs.iter().filter(|theirs| !ours.iter().any(|f| are_one(f, &mapped(theirs)))).collect();
     // About one feature in ten thousand lies on the limit of a test (edge ratio, convergence) and is decided by
     // rounding.
     assert!(missing.len() <= usize::from(tolerance >= ROUNDING_PX), "of {} none for {missing:?}", theirs.len());
@@ -204,30 +199,22 @@ fn assert_same_on_threads(burst: &Burst, params: &DetectorParams, least: usize, 
     assert!(one.features.len() > least, "{}", one.features.len());
     for threads in counts {
         let many = on_threads(*threads, || found(burst, params));
-        assert_eq!(one.features, many.features);
-        assert_eq!(one.descriptors, many.descriptors);
-        assert_eq!(one.tally, many.tally);
+        assert_eq!((&one.features, &one.descriptors, one.tally), (&many.features, &many.descriptors, many.tally));
     }
 }
 
 #[test]
-fn any_number_of_threads_gives_the_same_bits() {
+fn tiles_and_any_number_of_threads_give_the_same_bits() {
     let burst = two_slopes(3, 6);
+    let rules = Rules { slope_neighbours: SlopeNeighbours::All, ..Rules::default() };
     for params in [
         plane_grid(),
         DetectorParams { first_octave: -1, max_orientations: 4, ..plane_grid() },
         joint(plane_grid()),
-        DetectorParams {
-            rules: Rules { slope_neighbours: SlopeNeighbours::All, ..Rules::default() },
-            ..joint(plane_grid())
-        },
+        DetectorParams { rules, ..joint(plane_grid()) },
     ] {
         assert_same_on_threads(&burst, &params, 10, &[2, 3, 7]);
     }
-}
-
-#[test]
-fn tiles_and_threads_change_no_bit_of_a_larger_image() {
     // Wide enough for a few tiles, whose height depends on the number of threads.
     let scene = SceneParams { width: 640, height: 440, snr: 8.0, seed: 5, ..SceneParams::default() };
     let (burst, _) = synth_scene(&scene, &quiet()).expect("valid parameters");
@@ -239,51 +226,34 @@ fn tiles_and_threads_change_no_bit_of_a_larger_image() {
 }
 
 #[test]
-fn one_frame_is_sift() {
+fn one_frame_is_sift_and_the_tally_accounts_for_every_sample_unless_it_is_cancelled() {
     let burst = two_slopes(11, 5);
     let sift = found(&burst, &DetectorParams { method: Method::Sift, ..plane_grid() });
     let alone = Burst { frames: vec![burst.frames[2].clone()], ..burst.clone() };
     let buff = found(&alone, &DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..plane_grid() });
     assert!(sift.features.len() > 5);
-    assert_eq!(sift.features, buff.features);
-    assert_eq!(sift.descriptors, buff.descriptors);
+    assert_eq!((sift.features, sift.descriptors), (buff.features, buff.descriptors));
+    let detection = found(&two_slopes(9, 5), &plane_grid());
+    let tally = detection.tally;
+    assert_eq!(tally.samples, tally.rejected.iter().sum::<u64>() + tally.kept);
+    assert_eq!(tally.kept as usize, detection.features.len());
+    assert!(detect(&two_slopes(1, 3), &plane_grid(), &cancelled()).is_err_and(|error| error.is_cancelled()));
 }
 
 #[test]
 fn stacking_and_filtering_commute() {
     // Away from borders the DoG of the stack is the stack of the frames' DoGs.
     let burst = two_slopes(5, 5);
-    let params = plane_grid();
-    let slope = Slope::new(0.7, -0.4);
-    let monitor = Monitor::default();
-    let stacked_first = dog_view(&burst, &params, slope, 0, 1, &monitor).expect("valid");
-    let filtered: Vec<Plane> = (0..burst.len())
-        .map(|t| {
-            let one = Burst { frames: vec![burst.frames[t].clone()], ..burst.clone() };
-            dog_view(&one, &params, Slope::default(), 0, 1, &monitor).expect("valid")
-        })
-        .collect();
-    let filtered_first =
-        stack_view(&Burst::from_planes("dogs", filtered), &params, slope, &monitor).expect("not cancelled");
-    for v in 24..SIZE.1 - 24 {
-        for u in 24..SIZE.0 - 24 {
-            assert!((stacked_first.at(u, v) - filtered_first.at(u, v)).abs() < 1e-4);
-        }
+    let (params, slope) = (plane_grid(), Slope::new(0.7, -0.4));
+    let dog = |burst: &Burst, slope| dog_view(burst, &params, slope, 0, 1, &quiet()).expect("valid");
+    let one = |frame: &Arc<Plane>| Burst { frames: vec![frame.clone()], ..burst.clone() };
+    let filtered = burst.frames.iter().map(|frame| dog(&one(frame), Slope::default())).collect();
+    let filtered = Burst::from_planes("dogs", filtered);
+    let (stacked_first, filtered_first) =
+        (dog(&burst, slope), stack_view(&filtered, &params, slope, &quiet()).expect("valid"));
+    for (u, v) in (24..SIZE.0 - 24).flat_map(|u| (24..SIZE.1 - 24).map(move |v| (u, v))) {
+        assert!((stacked_first.at(u, v) - filtered_first.at(u, v)).abs() < 1e-4);
     }
-}
-
-#[test]
-fn a_cancelled_detection_has_no_result() {
-    let result = detect(&two_slopes(1, 3), &plane_grid(), &cancelled());
-    assert!(result.is_err_and(|error| error.is_cancelled()));
-}
-
-#[test]
-fn the_tally_accounts_for_every_sample() {
-    let detection = found(&two_slopes(9, 5), &plane_grid());
-    let tally = detection.tally;
-    assert_eq!(tally.samples, tally.rejected.iter().sum::<u64>() + tally.kept);
-    assert_eq!(tally.kept as usize, detection.features.len());
 }
 
 #[test]
@@ -313,31 +283,13 @@ fn a_blob_beyond_the_grid_is_marked() {
     assert!(detection.features[0].is_on_rim(&params) && !detection.features[0].at_slope_limit);
 }
 
-/// Gaussian blobs of radius σ px and a height, each moving through a position at mid-burst, over an even background
-/// with a little noise.
-fn moving(n: usize, blobs: &[(f32, f32, f32, f32, Slope)]) -> Burst {
-    let mut rng = Stream::new(5, 0);
-    let frame = |t: usize| {
-        let dt = t as f32 - (n as f32 - 1.0) / 2.0;
-        Plane::from_fn(SIZE.0, SIZE.1, |u, v| {
-            let mut value = 0.5 + 0.01 * (rng.normal() as f32);
-            for &(bu, bv, radius, height, slope) in blobs {
-                let (du, dv) = (u as f32 - bu - dt * slope.u, v as f32 - bv - dt * slope.v);
-                value += height * (-(du * du + dv * dv) / (2.0 * radius * radius)).exp();
-            }
-            value
-        })
-    };
-    Burst::from_planes("moving", (0..n).map(frame).collect())
-}
-
 #[test]
 fn one_blob_has_one_keypoint_whatever_its_place_scale_and_slope() {
     // Across levels and octaves, on the grid's slopes and between them, at the middle and beside a tile's border.
     for radius in [2.0f32, 2.4, 2.9, 3.4, 4.1, 4.9, 5.8] {
         for slope in [Slope::new(0.0, 0.0), Slope::new(0.25, 0.0), Slope::new(-0.5, 0.5), Slope::new(1.0, -1.0)] {
             let (u, v) = (64.3 + radius, 48.0 - 0.7 * radius);
-            let burst = moving(7, &[(u, v, radius, 0.3, slope)]);
+            let burst = gaussians(7, 0.01, &[(u, v, radius, 0.3, slope)]);
             let params = DetectorParams { noise_gate: NoiseGate::Factor(12.0), peak_threshold: 0.0, ..plane_grid() };
             let near = |params: &DetectorParams| {
                 let detection = found(&burst, params);
@@ -355,7 +307,7 @@ fn one_blob_has_one_keypoint_whatever_its_place_scale_and_slope() {
 fn two_motions_at_one_place_both_stay() {
     // A lantern passes before a brighter spot of a wall, right over it at mid-burst.
     let (wall, lantern) = (Slope::new(-1.5, 0.0), Slope::new(1.5, 1.0));
-    let both = moving(10, &[(64.0, 48.0, 2.5, 0.25, wall), (64.8, 48.5, 2.5, 0.2, lantern)]);
+    let both = gaussians(10, 0.01, &[(64.0, 48.0, 2.5, 0.25, wall), (64.8, 48.5, 2.5, 0.2, lantern)]);
     let params = DetectorParams { noise_gate: NoiseGate::Factor(8.0), peak_threshold: 0.0, ..plane_grid() };
     let has = |burst: &Burst, slope: Slope| {
         let near = |f: &&Feature| {
@@ -365,7 +317,7 @@ fn two_motions_at_one_place_both_stay() {
     };
     assert_eq!((has(&both, wall), has(&both, lantern)), (1, 1));
     // Alone, the spot leaves no feature at the lantern's slope.
-    let alone = moving(10, &[(64.0, 48.0, 2.5, 0.25, wall)]);
+    let alone = gaussians(10, 0.01, &[(64.0, 48.0, 2.5, 0.25, wall)]);
     assert_eq!((has(&alone, wall), has(&alone, lantern)), (1, 0));
 }
 

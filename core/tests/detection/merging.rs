@@ -1,8 +1,7 @@
 //! The merge on bursts whose motion and noiseless truth are known.
 
 use crate::prelude::*;
-use burstscope_core::baseline::merge_burst;
-use burstscope_core::detect::prepare;
+use burstscope_core::{baseline::merge_burst, detect::prepare};
 use std::sync::Mutex;
 
 /// A smooth scene with structure at several scales, at any position; values about 0.2 … 0.6.
@@ -52,7 +51,7 @@ fn error(image: &Plane, border: usize, within: bool) -> f64 {
 }
 
 #[test]
-fn noise_falls_nearly_as_much_as_it_can() {
+fn noise_falls_nearly_as_much_as_it_can_and_borders_are_as_good_as_the_frames_that_show_them() {
     // Per-pixel ratios of the scene's standard deviation (0.06) to the noise from 3 down to 0.6.
     for (sigma, seed) in [(0.02, 1), (0.05, 2), (0.1, 3)] {
         for slope in [(0.0, 0.0), (2.0, -1.0), (1.3, 0.7), (-2.6, 0.4)] {
@@ -61,10 +60,6 @@ fn noise_falls_nearly_as_much_as_it_can() {
             assert!(reduction > 0.8 * 10f64.sqrt(), "sigma {sigma}, slope {slope:?}: {reduction}");
         }
     }
-}
-
-#[test]
-fn borders_are_as_good_as_the_frames_that_show_them() {
     // At the border about half of the frames show a place, and nothing is darkened or mirrored into it.
     let sigma = 0.05;
     let image = merged(&moving_burst((2.0, -1.0), sigma, 10, 4));
@@ -73,7 +68,7 @@ fn borders_are_as_good_as_the_frames_that_show_them() {
 }
 
 #[test]
-fn what_moves_by_itself_does_not_become_a_ghost() {
+fn what_moves_by_itself_becomes_no_ghost_and_one_frame_stays_as_it_is() {
     // A bright square that is in another place in every frame stands once, where the middle frame has it.
     let mut burst = moving_burst((0.0, 0.0), 0.01, 7, 5);
     for (t, frame) in burst.frames.iter_mut().enumerate() {
@@ -87,29 +82,20 @@ fn what_moves_by_itself_does_not_become_a_ghost() {
         assert!((f64::from(image.at(u, v)) - scene(u as f64, v as f64)).abs() < 0.06, "a ghost of frame {t}");
     }
     assert!((image.at(155, 115) - 1.0).abs() < 0.05);
-}
-
-#[test]
-fn one_frame_stays_as_it_is_and_tiny_ones_are_no_trouble() {
     let burst = moving_burst((1.0, 0.0), 0.05, 1, 6);
     assert_eq!(merged(&burst), *burst.frames[0]);
     for (width, height) in [(1, 1), (5, 40), (17, 3)] {
         let frames = (0..3).map(|t| Plane::from_fn(width, height, |u, v| (u + v + t) as f32 * 0.01)).collect();
-        let image = merged(&Burst::from_planes("tiny", frames));
-        assert!(image.data().iter().all(|x| x.is_finite()));
+        assert!(merged(&Burst::from_planes("tiny", frames)).data().iter().all(|x| x.is_finite()));
     }
     let constant = Burst::from_planes("flat", vec![Plane::from_fn(40, 40, |_, _| 0.25); 4]);
     assert!(merged(&constant).data().iter().all(|x| (x - 0.25).abs() < 1e-6));
 }
 
 #[test]
-fn the_bits_do_not_depend_on_the_threads() {
+fn bits_do_not_depend_on_threads_cancelling_leaves_none_and_progress_rises_to_one() {
     let burst = moving_burst((1.3, 0.7), 0.05, 5, 7);
     assert_eq!(on_threads(1, || merged(&burst)), on_threads(5, || merged(&burst)));
-}
-
-#[test]
-fn cancelling_leaves_no_result_and_progress_rises_to_one() {
     let burst = moving_burst((1.0, 0.0), 0.05, 4, 8);
     assert!(merge_burst(&burst, 0..4, &cancelled()).is_err());
     let heard = Arc::new(Mutex::new(Vec::new()));

@@ -1,8 +1,7 @@
 //! The noise model in whole detections: bursts whose noise is not white, and a chart under a lamp.
 
 use crate::prelude::*;
-use burstscope_core::detector::noise_model::WarningKind;
-use burstscope_core::synth::{Camera, Example};
+use burstscope_core::{detector::noise_model::WarningKind, synth::Camera, synth::Example};
 
 fn params(noise_model: NoiseModelKind) -> DetectorParams {
     let noise_gate = "strict".parse().expect("a gate");
@@ -166,13 +165,24 @@ fn lines_of_any_period_are_taken_off_and_what_is_not_a_whole_line_stays() {
 }
 
 #[test]
-fn no_part_of_a_scene_is_taken_for_lines() {
+fn no_part_of_a_scene_is_taken_for_lines_and_a_weak_pattern_is_measured_in_the_mean_of_the_frames() {
     for example in Example::ALL {
         let noise = found(&example.burst(), NoiseModelKind::Local).noise;
         let pattern = &noise.pattern;
         println!("{example:?}: {:?} {:?} {:?}", pattern.changing_columns, pattern.changing_rows, noise.correlations);
         assert!(pattern.columns.is_none() && pattern.rows.is_none(), "{example:?}");
         assert_eq!((pattern.changing_columns, pattern.changing_rows), (None, None), "{example:?}");
+    }
+    let share = |case: NoiseCase| {
+        let burst = case.burst((480, 360), 10, 0.02, 3, &quiet()).expect("a burst");
+        found(&burst, NoiseModelKind::Local).noise.pattern_share
+    };
+    for (percent, expected) in [(20u8, 0.038), (40, 0.138)] {
+        let found = share(NoiseCase::FixedPattern(percent));
+        assert!((found / expected - 1.0).abs() < 0.35, "{percent}: {found}");
+    }
+    for noise in [NoiseCase::White, NoiseCase::Correlated, NoiseCase::NoisyHalf, NoiseCase::Jpeg(60)] {
+        assert_eq!(share(noise), 0.0, "{noise:?}");
     }
 }
 
@@ -200,7 +210,7 @@ fn a_filter_over_time_is_seen_where_the_noise_differs_by_place_and_a_scene_that_
 }
 
 #[test]
-fn on_bands_as_much_is_found_as_without_them() {
+fn on_bands_as_much_is_found_as_without_them_and_under_a_lamp_more_is_found_in_the_dark() {
     let chart = ChartParams { snr: 0.5, ..ChartParams::default() };
     let (burst, truth) = synth_chart(&chart, &quiet()).expect("a chart");
     let band = |v: usize| 0.01 * (std::f32::consts::TAU * v as f32 / 16.0).sin();
@@ -216,6 +226,19 @@ fn on_bands_as_much_is_found_as_without_them() {
     let (without, with) = (of(&burst), of(&with_bands));
     println!("discs {without} without bands, {with} with");
     assert!(without > 60 && with + 3 >= without, "{without} {with}");
+    let (mut white_found, mut local_found) = (0, 0);
+    for seed in [1, 2] {
+        let (burst, discs) = lit_chart(seed);
+        let in_dark: Vec<&FeatureTruth> = discs.iter().filter(|d| d.u < 320.0).collect();
+        let count = |kind| {
+            let features = found(&burst, kind).features;
+            in_dark.iter().filter(|disc| features.iter().any(|f| finds(f, disc))).count()
+        };
+        white_found += count(NoiseModelKind::White);
+        local_found += count(NoiseModelKind::Local);
+    }
+    println!("in the dark: white {white_found}, local {local_found}");
+    assert!(local_found > white_found, "{local_found} {white_found}");
 }
 
 #[test]
@@ -277,30 +300,11 @@ fn noise_and_scenes_are_not_warned_of_for_what_they_do_not_have() {
 }
 
 #[test]
-fn a_weak_pattern_is_measured_in_the_mean_of_the_frames() {
-    let share = |case: NoiseCase| {
-        let burst = case.burst((480, 360), 10, 0.02, 3, &quiet()).expect("a burst");
-        found(&burst, NoiseModelKind::Local).noise.pattern_share
-    };
-    for (percent, expected) in [(20u8, 0.038), (40, 0.138)] {
-        let found = share(NoiseCase::FixedPattern(percent));
-        assert!((found / expected - 1.0).abs() < 0.35, "{percent}: {found}");
-    }
-    for noise in [NoiseCase::White, NoiseCase::Correlated, NoiseCase::NoisyHalf, NoiseCase::Jpeg(60)] {
-        assert_eq!(share(noise), 0.0, "{noise:?}");
-    }
-}
-
-#[test]
-fn the_noise_is_measured_unless_it_is_said_otherwise() {
+fn the_noise_is_measured_unless_it_is_said_otherwise_and_what_is_cleaned_is_said() {
     assert_eq!(burstscope_core::detector::SearchParams::default().noise_model, NoiseModelKind::Local);
     let burst = NoiseCase::White.burst((160, 120), 5, 0.02, 5, &quiet()).expect("a burst");
     let detection = detect(&burst, &DetectorParams::default(), &quiet()).expect("detected");
     assert!(detection.noise.is_local && detection.noise.warnings.is_empty(), "{:?}", detection.noise.warnings);
-}
-
-#[test]
-fn what_is_cleaned_is_said() {
     let burst = NoiseCase::HotPixels.burst((320, 240), 8, 0.02, 5, &quiet()).expect("a burst");
     let detection = found(&burst, NoiseModelKind::Local);
     let kinds: Vec<WarningKind> = detection.noise.warnings.iter().map(|w| w.kind).collect();
@@ -334,21 +338,4 @@ fn lit_chart(seed: u64) -> (Burst, Vec<FeatureTruth>) {
 fn finds(feature: &Feature, disc: &FeatureTruth) -> bool {
     let distance = (f64::from(feature.u) - disc.u).hypot(f64::from(feature.v) - disc.v);
     distance < 0.5 * disc.radius + 1.5 && (0.5..2.0).contains(&(f64::from(feature.sigma) / disc.sigma))
-}
-
-#[test]
-fn under_a_lamp_more_is_found_in_the_dark() {
-    let (mut white_found, mut local_found) = (0, 0);
-    for seed in [1, 2] {
-        let (burst, discs) = lit_chart(seed);
-        let in_dark: Vec<&FeatureTruth> = discs.iter().filter(|d| d.u < 320.0).collect();
-        let count = |kind| {
-            let features = found(&burst, kind).features;
-            in_dark.iter().filter(|disc| features.iter().any(|f| finds(f, disc))).count()
-        };
-        white_found += count(NoiseModelKind::White);
-        local_found += count(NoiseModelKind::Local);
-    }
-    println!("in the dark: white {white_found}, local {local_found}");
-    assert!(local_found > white_found, "{local_found} {white_found}");
 }

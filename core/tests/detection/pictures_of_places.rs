@@ -2,8 +2,7 @@
 
 use crate::prelude::*;
 use burstscope_core::detector::stack::FrameTimes;
-use burstscope_core::matching::align::pair::FIT_RADIUS;
-use burstscope_core::matching::align::{Chip, ChipSource, Measured, PairFrame, View, measure};
+use burstscope_core::matching::align::{Chip, ChipSource, Measured, PairFrame, View, measure, pair::FIT_RADIUS};
 use burstscope_core::plane::sample::bilinear;
 
 const SIZE: (usize, usize) = (360, 300);
@@ -13,7 +12,6 @@ const SIGMA: f32 = 4.0;
 /// of 1, and a sample of a chip averages 4π·(0.55·4)² pixels of 6 frames.
 const NOISE: f64 = 3.8;
 
-/// Affine map of the plane in input pixels.
 #[derive(Clone, Copy)]
 struct Warp {
     matrix: [[f32; 2]; 2],
@@ -32,7 +30,6 @@ impl Warp {
         [0, 1].map(|i| self.matrix[i][0] * x + self.matrix[i][1] * y + self.shift[i])
     }
 
-    /// The place that is mapped to `at`.
     fn undone(&self, at: [f32; 2]) -> [f32; 2] {
         let ([[a, b], [c, d]], [x, y]) = (self.matrix, [at[0] - self.shift[0], at[1] - self.shift[1]]);
         [d * x - b * y, a * y - c * x].map(|x| x / (a * d - b * c))
@@ -149,7 +146,7 @@ fn similar() -> Warp {
 }
 
 #[test]
-fn a_shift_and_a_similarity_are_found_in_noise() {
+fn a_shift_a_similarity_and_an_affine_change_are_found() {
     let scene = Scene::new(similar(), NOISE, as_detected);
     let frame = PairFrame::of(&scene.views(0, 1));
     assert!((frame.rotation - TURN).abs() < 0.15 && (frame.log_ratio - RATIO.ln()).abs() < 0.1, "{frame:?}");
@@ -159,12 +156,7 @@ fn a_shift_and_a_similarity_are_found_in_noise() {
     errors.sort_by(f32::total_cmp);
     assert!(errors[errors.len() / 2] < 0.1 && errors[errors.len() - 1] < 0.25, "{errors:?}");
     assert!(measured.iter().flatten().all(|m| m.correlation > 0.8), "{measured:?}");
-}
-
-#[test]
-fn an_affine_change_is_found() {
-    let similar = similar();
-    let [[a, b], [c, d]] = similar.matrix;
+    let [[a, b], [c, d]] = similar().matrix;
     // Sheared, and wider than high.
     let matrix = [[1.12 * a, 1.12 * b], [c + 0.1 * a, d + 0.1 * b]];
     let centre = [SIZE.0 as f32 / 2.0, SIZE.1 as f32 / 2.0];
@@ -177,15 +169,13 @@ fn an_affine_change_is_found() {
     assert!(errors.iter().all(|error| *error < 0.1), "{errors:?}");
     for found in measured.iter().flatten() {
         for (row, truth) in found.jacobian.iter().zip(&scene.warp.matrix) {
-            for (x, truth) in row.iter().zip(truth) {
-                assert!((x - f64::from(*truth)).abs() < 0.04, "{found:?}");
-            }
+            row.iter().zip(truth).for_each(|(x, truth)| assert!((x - f64::from(*truth)).abs() < 0.04, "{found:?}"));
         }
     }
 }
 
 #[test]
-fn what_lies_beyond_the_search_is_not_measured() {
+fn what_lies_beyond_the_search_is_not_measured_and_a_place_at_the_border_is_measured_by_what_is_there() {
     let scene = Scene::new(similar(), 0.3 * NOISE, |_| [3.4 * TURN.cos(), 3.4 * TURN.sin()]);
     let measured = scene.measured();
     let errors = scene.errors(&measured);
@@ -197,31 +187,6 @@ fn what_lies_beyond_the_search_is_not_measured() {
     let view = View { chip: &chip, orientation: 0.0 };
     let none = measure(&[[view, view]], PairFrame::of(&[[view, view]]), FIT_RADIUS, &quiet());
     assert_eq!(none, Ok(vec![None]), "a wall without texture");
-}
-
-#[test]
-fn b_to_a_is_a_to_b_reversed() {
-    let scene = Scene::new(similar(), NOISE, as_detected);
-    let there = scene.measured();
-    let views = scene.views(1, 0);
-    let back = measure(&views, PairFrame::of(&views), FIT_RADIUS, &quiet()).expect("not cancelled");
-    for (there, back) in there.iter().zip(&back) {
-        let (there, back) = (there.expect("found"), back.expect("found"));
-        let carried =
-            [0, 1].map(|i| there.shift_px[i] + (0..2).map(|k| there.jacobian[i][k] * back.shift_px[k]).sum::<f64>());
-        assert!(carried[0].hypot(carried[1]) < f64::from(0.1 * SIGMA * RATIO), "{there:?} {back:?}");
-    }
-}
-
-#[test]
-fn measurements_are_the_same_on_any_number_of_threads() {
-    let scene = Scene::new(similar(), NOISE, as_detected);
-    assert_eq!(on_threads(1, || scene.measured()), on_threads(5, || scene.measured()));
-    assert_eq!(measure(&scene.views(0, 1), PairFrame::of(&[]), FIT_RADIUS, &cancelled()), Err(Cancelled));
-}
-
-#[test]
-fn a_place_at_the_border_is_measured_by_what_is_there() {
     let frames = frames(Warp::NONE, Slope::new(0.0, 0.0), 0.0, 1);
     let planes: Vec<&Plane> = frames.iter().collect();
     let source = ChipSource::new(&planes, &FrameTimes::all(Positions::even(FRAMES)), SIGMA);
@@ -233,4 +198,20 @@ fn a_place_at_the_border_is_measured_by_what_is_there() {
     assert!((found.shift_px[0] + 2.0).abs() < 0.1 && (found.shift_px[1] + 1.0).abs() < 0.1, "{found:?}");
     assert_eq!(source.chip((-1.0, 5.0), SIGMA, Slope::new(0.0, 0.0)), None, "outside the image");
     assert_eq!(source.chip((5.0, 5.0), f32::NAN, Slope::new(0.0, 0.0)), None, "no scale");
+}
+
+#[test]
+fn b_to_a_is_a_to_b_reversed_and_measurements_are_the_same_on_any_number_of_threads() {
+    let scene = Scene::new(similar(), NOISE, as_detected);
+    let there = scene.measured();
+    let views = scene.views(1, 0);
+    let back = measure(&views, PairFrame::of(&views), FIT_RADIUS, &quiet()).expect("not cancelled");
+    for (there, back) in there.iter().zip(&back) {
+        let (there, back) = (there.expect("found"), back.expect("found"));
+        let carried =
+            [0, 1].map(|i| there.shift_px[i] + (0..2).map(|k| there.jacobian[i][k] * back.shift_px[k]).sum::<f64>());
+        assert!(carried[0].hypot(carried[1]) < f64::from(0.1 * SIGMA * RATIO), "{there:?} {back:?}");
+    }
+    assert_eq!(on_threads(1, || scene.measured()), on_threads(5, || scene.measured()));
+    assert_eq!(measure(&scene.views(0, 1), PairFrame::of(&[]), FIT_RADIUS, &cancelled()), Err(Cancelled));
 }

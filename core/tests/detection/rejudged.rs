@@ -2,7 +2,6 @@
 //! of features it gives the bits of a new search.
 
 use crate::prelude::*;
-use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 /// A scene; with `tails` a pixel in fifty has a large error, so that σ_D depends on the gate's factor.
@@ -30,10 +29,8 @@ fn rejudged(trail: &Trail, params: &DetectorParams) -> Option<Trail> {
     trail.rejudged(params, &quiet()).expect("nobody cancels it")
 }
 
-/// Compares a judgement with a new search.
 fn assert_same(judged: &Trail, burst: &Burst, params: &DetectorParams) {
-    let cache = searched(burst, params);
-    let new = &cache.trail;
+    let new = &searched(burst, params).trail;
     assert_eq!(judged.params(), params);
     assert_eq!(judged.keypoints(), new.keypoints(), "{params:?}");
     let (found, expected) = (judged.detection(), new.detection());
@@ -60,7 +57,6 @@ fn assert_same(judged: &Trail, burst: &Burst, params: &DetectorParams) {
     }
 }
 
-/// A change of what is judged.
 #[derive(Debug, Clone)]
 struct Change {
     gate: Option<f32>,
@@ -148,7 +144,7 @@ proptest! {
 }
 
 #[test]
-fn what_the_search_did_not_leave_needs_another() {
+fn what_the_search_did_not_leave_needs_another_and_a_cancelled_judgement_has_no_result() {
     let burst = scene(3, (110, 90), false);
     let params = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 5), ..DetectorParams::default() };
     let params = DetectorParams { noise_gate: NoiseGate::Factor(5.0), peak_threshold: 0.001, octaves: 3, ..params };
@@ -166,6 +162,10 @@ fn what_the_search_did_not_leave_needs_another() {
     ] {
         assert!(rejudged(&first, &changed).is_none(), "{changed:?}");
     }
+    let first =
+        searched(&burst, &DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 5), ..DetectorParams::default() });
+    let changed = DetectorParams { distinct: Distinct::Radius(0.4), ..first.params().clone() };
+    assert!(first.trail.rejudged(&changed, &cancelled()).is_err());
 }
 
 #[test]
@@ -180,13 +180,4 @@ fn slopes_that_were_found_stay() {
     assert_eq!(found.detection().features, new.detection().features);
     assert_eq!((found.made_with(), &found.asked, &found.finding), (new.made_with(), &new.asked, &new.finding));
     assert!(judged(&found.made_with().into()).is_none(), "given slopes are others");
-}
-
-#[test]
-fn a_cancelled_judgement_has_no_result() {
-    let burst = scene(3, (110, 90), false);
-    let first =
-        searched(&burst, &DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 5), ..DetectorParams::default() });
-    let changed = DetectorParams { distinct: Distinct::Radius(0.4), ..first.params().clone() };
-    assert!(first.trail.rejudged(&changed, &cancelled()).is_err());
 }

@@ -6,7 +6,6 @@ use burstscope_core::matching::{Blob, Camera, MatchResult, MatchSide, Pictures, 
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;
 
-/// Features of one image.
 #[derive(Default)]
 struct Features {
     places: Vec<[f64; 2]>,
@@ -25,7 +24,6 @@ fn near(random: &mut Stream, around: &Descriptor, by: f64) -> Descriptor {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Space,
-    /// A floor, seen at a slant.
     Floor,
     /// The camera moves ahead, in the bursts and between them.
     Ahead,
@@ -78,7 +76,6 @@ fn seen(point: Vector3<f64>, velocity: Vector3<f64>) -> Seen {
     (camera().pixel_of([x, y]), motion)
 }
 
-/// Both images' views of the same `count` points.
 fn views(kind: Kind, random: &mut Stream) -> Vec<[Seen; 2]> {
     let rotation = Rotation3::from_euler_angles(0.05, -0.12, 0.03);
     let [between, in_burst] = kind.moves();

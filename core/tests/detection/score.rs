@@ -1,9 +1,7 @@
 //! Features compared with discs: which finds which, and the curves of true against false.
 
 use crate::prelude::*;
-use burstscope_core::inspect::result::*;
-use burstscope_core::synth::truth::disc_sigma;
-use proptest::prelude::*;
+use burstscope_core::{inspect::result::*, synth::truth::disc_sigma};
 
 fn feature(u: f64, v: f64, sigma: f64, response: f32) -> Feature {
     let [u, v, sigma] = [u, v, sigma].map(|x| x as f32);
@@ -61,24 +59,13 @@ fn repeats_and_strays_are_false_and_the_strongest_counts() {
 }
 
 #[test]
-fn each_ranking_has_its_own_order() {
+fn each_ranking_has_its_own_order_and_a_tenth_false_includes_exactly_a_tenth() {
     let mut features = [0.3, -0.4, 0.1].map(|response| feature(0.0, 0.0, 2.0, response));
     (features[0].snr, features[1].snr, features[2].snr) = (9.0, 4.0, 25.0);
     let order = |ranking| judge_by_discs(&features, &[], ranking).iter().map(|j| j.feature).collect::<Vec<_>>();
     assert_eq!(order(Ranking::Response), [1, 0, 2]);
     assert_eq!(order(Ranking::Snr), [2, 0, 1]);
     assert_eq!(order(Ranking::Strength), [0, 1, 2]); // 0.9, 0.8, 0.5
-}
-
-/// The curve of features of falling worth, true or false.
-fn ranked(pattern: &str) -> Curve {
-    let judged = pattern.chars().enumerate();
-    let judged = judged.map(|(i, c)| Scored { feature: i, worth: -(i as f32), disc: (c == 't').then_some(i) });
-    Curve::of(&judged.collect::<Vec<_>>())
-}
-
-#[test]
-fn a_tenth_false_includes_exactly_a_tenth() {
     // The next false one is too many, even though a true one follows.
     let curve = ranked("tttttfttttftt");
     let point = curve.at_false_fraction(0.10);
@@ -89,6 +76,12 @@ fn a_tenth_false_includes_exactly_a_tenth() {
     assert_eq!(late.at_false_fraction(0.10).true_positives, 20);
     assert_eq!(ranked("").at_false_fraction(0.1).true_positives, 0);
     assert_eq!(mean_curve(&[&curve, &late], 1), [2.5, 14.5]);
+}
+
+fn ranked(pattern: &str) -> Curve {
+    let judged = pattern.chars().enumerate();
+    let judged = judged.map(|(i, c)| Scored { feature: i, worth: -(i as f32), disc: (c == 't').then_some(i) });
+    Curve::of(&judged.collect::<Vec<_>>())
 }
 
 proptest! {

@@ -15,7 +15,6 @@ fn half_step(burst: &Burst) -> f32 {
     1.6 * 2f32.powf(0.25) / (burst.len() - 1) as f32
 }
 
-/// The files of a folder, in the order of their names.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> =
         fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
@@ -30,7 +29,6 @@ fn ends_beyond(axis: SlopeAxis, range: [f32; 2], around: f32) -> bool {
     beyond.iter().all(|x| (axis.step() - around..=2.0 * axis.step() + around).contains(x))
 }
 
-/// Whether a line fits slopes in `range` so.
 fn fits(grid: &SlopeGrid, range: [f32; 2], around: f32) -> bool {
     !grid.is_plane() && ends_beyond(grid.u, range, around)
 }
@@ -44,8 +42,7 @@ fn graffiti_moves_uniformly_in_one_order_and_not_in_the_other() {
     assert_eq!(finding.verdict, SlopeVerdict::Found);
     assert_eq!(finding.grid.direction_deg, 0.0);
     assert!(fits(&finding.grid, [1.0, 1.0], half_step(&burst)), "{:?}", finding.grid);
-    let natural = find(&open(&files(&folder)));
-    assert_eq!(natural.verdict, SlopeVerdict::NotStraight);
+    assert_eq!(find(&open(&files(&folder))).verdict, SlopeVerdict::NotStraight);
 }
 
 #[needs::shared("data/buff-demo-2d")]
@@ -96,7 +93,7 @@ fn a_robots_camera_turns_slowly_and_its_way_points_to_148_degrees() {
 
 #[needs::shared("data/light-field-shop")]
 #[test]
-fn a_row_of_rendered_views_is_a_line_of_many_depths() {
+fn a_row_of_rendered_views_is_a_line_of_many_depths_and_a_narrow_range_is_widened() {
     let folder = shared("data/light-field-shop");
     let views: Vec<PathBuf> = (0..9).map(|k| folder.join(format!("view_{k:02}.jpg"))).collect();
     let finding = find(&open(&views));
@@ -104,11 +101,6 @@ fn a_row_of_rendered_views_is_a_line_of_many_depths() {
     let range = finding.grid.u;
     assert!(!finding.grid.is_plane() && range.min < 0.9 && range.max > 4.9 && range.max < 6.5, "{range:?}");
     assert_eq!(finding.grid.slope(0).v, Slope::default().v);
-}
-
-#[needs::shared("data/light-field-shop")]
-#[test]
-fn a_floor_that_is_sharpest_beyond_the_range_found_widens_it() {
     let folder = shared("data/light-field-shop");
     let burst = open(&(0..27).map(|k| folder.join(format!("view_{k:02}.jpg"))).collect::<Vec<_>>());
     let monitor = Monitor::default();

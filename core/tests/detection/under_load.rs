@@ -3,8 +3,7 @@
 //! Nothing here measures time: a cancelled search must end long before it is finished, judging by its own progress.
 
 use crate::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock, atomic::AtomicBool, atomic::Ordering};
 
 fn burst() -> Burst {
     let scene = SceneParams { width: 640, height: 480, snr: 8.0, seed: 7, ..SceneParams::default() };

@@ -3,7 +3,6 @@
 
 use crate::prelude::*;
 use burstscope_core::inspect::result::finds;
-use proptest::prelude::*;
 
 fn chart(uneven: Uneven, motion: Motion) -> (Burst, Truth) {
     let params = ChartParams { width: 400, height: 300, discs: 30, frames: 12, snr: 1.5, ..ChartParams::default() };
@@ -29,7 +28,7 @@ fn with_motion(detection: &Detection, truth: &Truth) -> usize {
 }
 
 #[test]
-fn even_times_that_are_given_change_no_bit() {
+fn even_times_that_are_given_change_no_bit_and_even_times_have_the_bits_of_indices() {
     let (burst, _) = chart(Uneven::default(), Motion::OneD);
     let seconds: Vec<f64> = (0..burst.len()).map(|t| 1_614_636_000.25 + t as f64 / 30.0).collect();
     let timed = Burst { positions: Positions::of_seconds(&seconds).expect("they increase"), ..burst.clone() };
@@ -39,6 +38,20 @@ fn even_times_that_are_given_change_no_bit() {
     assert_eq!((&plain.features, &plain.descriptors), (&timed.features, &timed.descriptors));
     assert_eq!((plain.slopes, plain.tally, &plain.field), (timed.slopes, timed.tally, &timed.field));
     assert_eq!(plain.noise, timed.noise);
+    for count in [1, 2, 3, 7, 10, 40] {
+        let even = Positions::even(count);
+        let expected: Vec<Offset> = (0..count).map(|t| (t as f64 - (count as f64 - 1.0) / 2.0).into()).collect();
+        assert_eq!(even.offsets(), expected);
+        assert_eq!((even.reach(), even.is_even()), (0.5 * (count as f64 - 1.0), true));
+        assert_eq!(even.span(), count as f64 - 1.0);
+        for (start, step) in [(0.0, 1.0), (1_305_031_102.175_304, 1.0 / 30.0), (-3.0, 0.1), (7.0, 3600.0)] {
+            let seconds: Vec<f64> = (0..count).map(|t| start + step * t as f64).collect();
+            let timed = Positions::of_seconds(&seconds).expect("they increase");
+            assert_eq!(timed.offsets(), expected, "{start} {step}");
+            assert!(count < 2 || (timed.interval_s().expect("known") / step - 1.0).abs() < 1e-5);
+        }
+    }
+    assert_eq!(Positions::even(9).part(2..6), Positions::even(4));
 }
 
 #[test]
@@ -61,7 +74,7 @@ fn dropped_frames_with_their_times_give_the_slopes_of_all_and_without_them_do_no
 }
 
 #[test]
-fn slopes_are_found_at_the_frames_times() {
+fn slopes_are_found_at_the_frames_times_and_frames_that_stay_have_the_bits_of_the_even_burst() {
     let params = DetectorParams::default();
     let find = |burst: &Burst| find_slopes(burst, &params, None, &quiet()).expect("not cancelled");
     let (all, _) = chart(Uneven::default(), Motion::OneD);
@@ -73,10 +86,6 @@ fn slopes_are_found_at_the_frames_times() {
     let step = of_all.grid.u.step();
     let off = (of_all.grid.u.min - with.grid.u.min).abs().max((of_all.grid.u.max - with.grid.u.max).abs());
     assert!(off < 2.5 * step, "{:?} {:?}", of_all.grid, with.grid);
-}
-
-#[test]
-fn frames_that_stay_have_the_bits_of_the_even_burst() {
     let even = ChartParams { width: 160, height: 120, discs: 4, frames: 6, ..ChartParams::default() };
     let made = |uneven: Uneven| synth_chart(&ChartParams { uneven, ..even.clone() }, &quiet()).expect("a chart");
     let (all, truth) = made(Uneven::default());
@@ -93,7 +102,7 @@ fn frames_that_stay_have_the_bits_of_the_even_burst() {
 }
 
 #[test]
-fn nonsense_is_named() {
+fn nonsense_is_named_and_gaps_are_counted_in_intervals_of_the_camera() {
     for (uneven, name) in [
         (uneven_by(vec![10], 0.0), "drop"),
         (uneven_by((0..10).collect(), 0.0), "drop"),
@@ -102,28 +111,6 @@ fn nonsense_is_named() {
     ] {
         assert_eq!(uneven.taken(10, 1).expect_err("nonsense").subject, name);
     }
-}
-
-#[test]
-fn even_times_have_the_bits_of_indices() {
-    for count in [1, 2, 3, 7, 10, 40] {
-        let even = Positions::even(count);
-        let expected: Vec<Offset> = (0..count).map(|t| (t as f64 - (count as f64 - 1.0) / 2.0).into()).collect();
-        assert_eq!(even.offsets(), expected);
-        assert_eq!((even.reach(), even.is_even()), (0.5 * (count as f64 - 1.0), true));
-        assert_eq!(even.span(), count as f64 - 1.0);
-        for (start, step) in [(0.0, 1.0), (1_305_031_102.175_304, 1.0 / 30.0), (-3.0, 0.1), (7.0, 3600.0)] {
-            let seconds: Vec<f64> = (0..count).map(|t| start + step * t as f64).collect();
-            let timed = Positions::of_seconds(&seconds).expect("they increase");
-            assert_eq!(timed.offsets(), expected, "{start} {step}");
-            assert!(count < 2 || (timed.interval_s().expect("known") / step - 1.0).abs() < 1e-5);
-        }
-    }
-    assert_eq!(Positions::even(9).part(2..6), Positions::even(4));
-}
-
-#[test]
-fn gaps_are_counted_in_intervals_of_the_camera() {
     let dropped = Positions::of_seconds(&[0.0, 0.1, 0.3, 0.4, 0.6, 0.7]).expect("they increase");
     assert_eq!(dropped.since_first(), [0.0, 1.0, 3.0, 4.0, 6.0, 7.0]);
     assert!(!dropped.is_even() && (dropped.interval_s().expect("known") - 0.1).abs() < 1e-12);
@@ -132,10 +119,6 @@ fn gaps_are_counted_in_intervals_of_the_camera() {
     let rounded = Positions::of_seconds(&[0.0, 0.033, 0.067, 0.1, 0.133, 0.167, 0.2]).expect("they increase");
     assert!(rounded.since_first().iter().zip(0..).all(|(x, t)| (x - f64::from(t)).abs() < 0.02), "{rounded:?}");
     assert_eq!(rounded.span(), 6.0);
-}
-
-#[test]
-fn what_does_not_increase_is_refused() {
     for wrong in [&[0.0, 0.0][..], &[1.0, 0.0], &[0.0, f64::NAN], &[0.0, f64::INFINITY]] {
         assert_eq!((Positions::of_seconds(wrong), Positions::new(wrong)), (None, None), "{wrong:?}");
     }

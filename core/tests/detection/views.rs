@@ -28,14 +28,13 @@ fn found(detection: &Detection, truth: &Truth) -> usize {
     truth.features.iter().filter(is_found).count()
 }
 
-/// One row of the views, as a burst.
 fn row_of(burst: &Burst, rows: usize, columns: usize) -> Burst {
     let frames: Vec<usize> = (0..columns).map(|column| rows / 2 * columns + column).collect();
     burst.clone().of_frames(&frames, burst.positions.of(&frames))
 }
 
 #[test]
-fn one_row_of_views_has_the_bits_of_a_burst() {
+fn one_row_of_views_has_the_bits_of_a_burst_and_disparities_are_those_of_the_truth() {
     let (views, _) = chart(5, 7, 2.0);
     let row = row_of(&views, 5, 7);
     let planes: Vec<Plane> = row.frames.iter().map(|frame| (**frame).clone()).collect();
@@ -44,6 +43,15 @@ fn one_row_of_views_has_the_bits_of_a_burst() {
     let [of_row, of_burst] = [&row, &burst].map(|burst| with(line(), burst));
     assert!(of_row.features.len() > 10);
     assert_eq!((of_row.features, of_row.descriptors), (of_burst.features, of_burst.descriptors));
+    let (views, truth) = chart(7, 7, 0.5);
+    assert_eq!((truth.views.len(), truth.span()), (49, 2.0 * 3f64.hypot(3.0)));
+    let of_all = found(&with(line(), &views), &truth);
+    let of_row = found(&with(line(), &row_of(&views, 7, 7)), &truth);
+    println!("{of_all} of {} discs in all views, {of_row} in one row", truth.features.len());
+    assert!(of_all * 10 >= truth.features.len() * 9 && of_row * 3 < of_all * 2, "{of_all} {of_row}");
+    let joint = with(DetectorParams { slope_extrema: SlopeExtrema::Joint, ..line() }, &views);
+    let of_joint = found(&joint, &truth);
+    assert!(of_joint * 10 >= truth.features.len() * 8, "{of_joint} by the joint search");
 }
 
 #[test]
@@ -65,22 +73,7 @@ fn a_transposed_light_field_has_transposed_features() {
             && (f.slope_sigma * f.snr / (g.slope_sigma * g.snr) - 1.0).abs() < 0.02
     };
     assert!(own.features.iter().filter(strong).count() > 15);
-    for f in own.features.iter().filter(strong) {
-        assert!(other.features.iter().any(|g| is_it(f, g)), "{f:?}");
-    }
-}
-
-#[test]
-fn disparities_are_those_of_the_truth_and_all_views_show_more_than_one_row() {
-    let (views, truth) = chart(7, 7, 0.5);
-    assert_eq!((truth.views.len(), truth.span()), (49, 2.0 * 3f64.hypot(3.0)));
-    let of_all = found(&with(line(), &views), &truth);
-    let of_row = found(&with(line(), &row_of(&views, 7, 7)), &truth);
-    println!("{of_all} of {} discs in all views, {of_row} in one row", truth.features.len());
-    assert!(of_all * 10 >= truth.features.len() * 9 && of_row * 3 < of_all * 2, "{of_all} {of_row}");
-    let joint = with(DetectorParams { slope_extrema: SlopeExtrema::Joint, ..line() }, &views);
-    let of_joint = found(&joint, &truth);
-    assert!(of_joint * 10 >= truth.features.len() * 8, "{of_joint} by the joint search");
+    own.features.iter().filter(strong).for_each(|f| assert!(other.features.iter().any(|g| is_it(f, g)), "{f:?}"));
 }
 
 #[test]

@@ -61,7 +61,7 @@ fn a_case_comes_back_as_it_was() {
 }
 
 #[test]
-fn numbers_that_make_no_sense_are_refused_by_their_names() {
+fn numbers_and_sizes_that_make_no_sense_and_endless_texts_are_refused() {
     let search = SearchParams::default();
     let (case, part) = Case::of(&chart().0, &search, (None, None), "", &quiet()).expect("whole");
     let good = || case.clone();
@@ -84,10 +84,6 @@ fn numbers_that_make_no_sense_are_refused_by_their_names() {
         let (_home, path) = written(&lying, &Burst { frames: Vec::new(), ..part.clone() }, &Enclosed::default());
         says(read_case(&path, &Limits::default(), &quiet()).expect_err(name), &["a.burstcase", name]);
     }
-}
-
-#[test]
-fn sizes_that_the_frames_do_not_have_and_endless_texts_are_refused() {
     let search = SearchParams::default();
     let (case, part) = Case::of(&chart().0, &search, (None, None), "", &quiet()).expect("whole");
     let (_home, path) = written(&case, &part, &Enclosed::default());

@@ -14,7 +14,6 @@ use burstscope_lab::synth::{SceneParams, synth_scene, write_burst};
 use rusqlite::Connection;
 use std::process::Command;
 
-/// Size of the frames.
 pub const SIZE: (usize, usize) = (260, 200);
 
 /// Three bursts of five frames, cut from one walk past a layered scene in a folder, and a place for what is made.
@@ -44,7 +43,6 @@ pub fn job() -> ColmapJob {
     }
 }
 
-/// Runs the job; also returns the names of bursts that failed.
 pub fn export(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> (Result<ColmapReport, Error>, Vec<String>) {
     let mut failed = Vec::new();
     let mut on = |event: BurstEvent<'_>| {
@@ -59,17 +57,11 @@ pub fn export(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> (Result<Col
 
 fn written(known: bool) -> (Folder, ColmapReport, PathBuf) {
     let (home, bursts, out) = walk();
-    let job = if known {
-        let rest = CameraChoice::Known(Camera::centred(SIZE.0, SIZE.1, 250.0));
-        let cameras = BurstCameras { rest, ..BurstCameras::default() };
-        ColmapJob {
-            cameras,
-            matching: MatchParams { geometry: Geometry::Essential, ..MatchParams::default() },
-            ..job()
-        }
-    } else {
-        job()
-    };
+    let mut job = job();
+    if known {
+        job.cameras.rest = CameraChoice::Known(Camera::centred(SIZE.0, SIZE.1, 250.0));
+        job.matching.geometry = Geometry::Essential;
+    }
     let (report, failed) = export(&bursts, &out, &job);
     assert!(failed.is_empty());
     (home, report.expect("written"), out)
@@ -132,7 +124,6 @@ fn files_and_tables_agree() {
     assert!(correlation > 0.99, "{correlation}");
 }
 
-/// The Python interpreter with pycolmap.
 fn python() -> String {
     std::env::var("BURSTSCOPE_PYTHON").unwrap_or_else(|_| "python3".to_owned())
 }
@@ -339,31 +330,6 @@ fn resumed(report: &ColmapReport) -> Vec<bool> {
 }
 
 #[test]
-fn a_second_run_finds_everything_done_and_writes_the_same_bytes() {
-    let (_home, bursts, out) = walk();
-    let database = || fs::read(out.join("database.db")).expect("a file");
-    assert_eq!(resumed(&done(&bursts, &out, &job())), [false; 3]);
-    let first = database();
-    let again = done(&bursts, &out, &job());
-    assert!(resumed(&again) == [true; 3] && again.pairs.iter().all(|pair| pair.resumed));
-    assert!(database() == first, "features and pairs from files give the same database");
-    // Missing or damaged files are made again, and nothing else.
-    fs::remove_file(out.join("features/frame_007.png.txt")).expect("removed");
-    assert_eq!(resumed(&done(&bursts, &out, &job())), [true, false, true]);
-    fs::write(out.join("features/frame_002.png.txt"), "7 128\n").expect("written");
-    assert_eq!(resumed(&done(&bursts, &out, &job())), [false, true, true]);
-    fs::remove_file(out.join("images/frame_012.png")).expect("removed");
-    assert_eq!(resumed(&done(&bursts, &out, &job())), [true; 3]);
-    assert!(out.join("images/frame_012.png").is_file());
-    assert!(database() == first);
-    // Other pairs need no other features.
-    let next_ones = ColmapJob { pairs: PairSelection::Sequential(1), ..job() };
-    let report = done(&bursts, &out, &next_ones);
-    assert_eq!((resumed(&report), report.pairs.len()), (vec![true; 3], 2));
-    assert!(report.pairs.iter().all(|pair| pair.resumed));
-}
-
-#[test]
 fn a_stack_has_all_depths_in_focus_and_is_the_same_if_it_is_asked_for_later() {
     let (home, bursts, out) = walk();
     // Slopes that are found, so that a later run has to know them.
@@ -393,21 +359,7 @@ fn a_stack_has_all_depths_in_focus_and_is_the_same_if_it_is_asked_for_later() {
 }
 
 #[test]
-fn other_parameters_or_other_frames_are_other_features() {
-    let (home, bursts, out) = walk();
-    done(&bursts, &out, &job());
-    let mut weaker = job();
-    weaker.features.detector.edge_threshold *= 1.5;
-    assert_eq!(resumed(&done(&bursts, &out, &weaker)), [false; 3]);
-    // A frame that is written again has another time, whatever its content.
-    let frame = home.join("film/frame_006.png");
-    let bytes = fs::read(&frame).expect("a frame");
-    fs::write(&frame, [&bytes[..], b"\0"].concat()).expect("written");
-    assert_eq!(resumed(&done(&bursts, &out, &weaker)), [true, false, true]);
-}
-
-#[test]
-fn an_interrupted_run_is_continued() {
+fn an_interrupted_run_is_continued_and_what_makes_no_sense_is_said_before_anything_is_done() {
     let (_home, bursts, out) = walk();
     let monitor = Monitor::default();
     let mut on = |event: BurstEvent<'_>| {
@@ -421,28 +373,7 @@ fn an_interrupted_run_is_continued() {
     assert!(stopped.as_ref().is_err_and(|error| error.is_cancelled()), "{stopped:?}");
     assert!(!out.join("database.db").exists());
     assert_eq!(resumed(&done(&bursts, &out, &job())), [true, false, false]);
-}
-
-#[test]
-fn a_broken_burst_is_left_out_and_a_foreign_folder_left_alone() {
     let (home, bursts, out) = walk();
-    fs::write(home.join("film/frame_006.png"), "broken").expect("written");
-    let (report, failed) = export(&bursts, &out, &job());
-    let report = report.expect("written");
-    assert_eq!((failed, report.images.len(), report.pairs.len()), (vec!["frame_007".to_owned()], 2, 1));
-    let (too_few, _) = export(&bursts[..1], &home.join("one"), &job());
-    assert!(too_few.is_err_and(|error| error.problem.starts_with("1 burst has features")));
-    let own = home.join("own");
-    fs::create_dir(&own).expect("made");
-    fs::write(own.join("thesis.txt"), "precious").expect("written");
-    let (occupied, _) = export(&bursts, &own, &job());
-    assert!(occupied.is_err_and(|error| error.kind == ErrorKind::InTheWay));
-    assert_eq!(fs::read_dir(&own).expect("a folder").count(), 1);
-}
-
-#[test]
-fn what_makes_no_sense_is_said_before_anything_is_done() {
-    let (_home, bursts, out) = walk();
     let error = |job: ColmapJob| export(&bursts, &out, &job).0.expect_err("refused").to_string();
     let unverified = MatchParams { geometry: Geometry::None, ..MatchParams::default() };
     assert!(error(ColmapJob { matching: unverified, ..job() }).contains("geometry"));
@@ -452,9 +383,6 @@ fn what_makes_no_sense_is_said_before_anything_is_done() {
     nonsense.features.detector.levels = 0;
     assert!(error(nonsense).contains("levels"));
     assert!(!out.exists());
-    let small = CameraChoice::Known(Camera::centred(SIZE.0 / 2, SIZE.1 / 2, 100.0));
-    assert!(
-        error(ColmapJob { cameras: BurstCameras { rest: small, ..BurstCameras::default() }, ..job() })
-            .contains("130×100")
-    );
+    let (too_few, _) = export(&bursts[..1], &home.join("one"), &job());
+    assert!(too_few.is_err_and(|error| error.problem.starts_with("1 burst has features")));
 }

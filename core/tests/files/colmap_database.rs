@@ -1,10 +1,8 @@
 //! The database for COLMAP as another program would read it: table by table, and byte by byte.
 
 use crate::prelude::*;
-use burstscope_core::error::Result;
-use burstscope_core::export::*;
+use burstscope_core::{error::Result, export::*};
 use nalgebra::{Isometry3, Matrix3, Vector3};
-use proptest::prelude::*;
 use rusqlite::Connection;
 
 fn keypoints(count: usize) -> Vec<ColmapKeypoint> {
@@ -59,7 +57,7 @@ fn floats(bytes: &[u8]) -> Vec<f64> {
 }
 
 #[test]
-fn every_blob_is_as_documented() {
+fn every_blob_is_as_documented_and_a_geometry_moved_by_half_a_pixel_and_laid_down_by_rows() {
     let (_home, path) = written();
     assert_eq!(fs::read_dir(path.parent().expect("one")).expect("a folder").count(), 1, "no leftovers");
     let db = Connection::open(&path).expect("a database");
@@ -84,11 +82,6 @@ fn every_blob_is_as_documented() {
         ["cameras", "rigs", "rig_sensors", "images", "frames", "frame_data"].map(|t| count(t).expect("a table"));
     assert_eq!(counts, [1, 1, 0, 3, 3, 3]);
     assert_eq!(db.query_row("PRAGMA integrity_check", [], |row| row.get::<_, String>(0)), Ok("ok".to_owned()));
-}
-
-#[test]
-fn a_geometry_is_moved_by_half_a_pixel_and_laid_down_by_rows() {
-    let (_home, path) = written();
     let db = Connection::open(&path).expect("a database");
     let blob = |column: &str, config: u32| {
         let found = format!("FROM two_view_geometries WHERE {column} IS NOT NULL");
@@ -114,7 +107,7 @@ fn a_geometry_is_moved_by_half_a_pixel_and_laid_down_by_rows() {
 }
 
 #[test]
-fn a_database_is_whole_or_not_there() {
+fn a_database_is_whole_or_not_there_and_text_that_is_no_features_is_named() {
     let (home, path) = written();
     let before = fs::read(&path).expect("a file");
     let twice = write_colmap_database(&path, |database| {
@@ -127,12 +120,7 @@ fn a_database_is_whole_or_not_there() {
     assert_eq!(write_colmap_database(&path, |_| Err(Cancelled.into())), Err(Cancelled.into()));
     assert_eq!(fs::read(&path).expect("a file"), before);
     assert_eq!(fs::read_dir(path.parent().expect("one")).expect("a folder").count(), 1);
-    let refused = write_colmap_database(&home, |_| Ok(())).expect_err("a folder");
-    assert_eq!(refused.kind, ErrorKind::Refused);
-}
-
-#[test]
-fn text_that_is_no_features_is_named() {
+    assert_eq!(write_colmap_database(&home, |_| Ok(())).expect_err("a folder").kind, ErrorKind::Refused);
     let (home, path) = folder_with("a.txt");
     let row = |extra: &str| format!("1 2 3 0.5{}{extra}\n", " 9".repeat(128));
     for (text, words) in [

@@ -1,6 +1,7 @@
 //! Exported files can be read back: by our own reader, by other libraries, and according to the formats' descriptions.
 
 use crate::prelude::*;
+use base64::Engine;
 use burstscope_core::export::{
     Bitmap, ColourBar, ExportFormat, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, LegendEntry,
     feature_header, lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing, write_npz,
@@ -9,7 +10,6 @@ use burstscope_core::export::{
 use burstscope_core::inspect::result::read_features;
 use ndarray::Array2;
 use ndarray_npy::NpzReader;
-use proptest::prelude::*;
 
 fn feature(seed: u32) -> Feature {
     let x = seed as f32;
@@ -60,7 +60,7 @@ fn stored(feature: &Feature) -> [f32; 17] {
 }
 
 #[test]
-fn csv_has_the_exact_header_and_one_row_for_each_feature() {
+fn csv_has_the_exact_header_and_a_row_for_each_feature_and_that_of_earlier_versions_is_read() {
     let (_folder, path) = folder_with("a.csv");
     let features: Vec<Feature> = (0..4).map(feature).collect();
     write_csv(&path, &features, None).expect("written");
@@ -70,15 +70,11 @@ fn csv_has_the_exact_header_and_one_row_for_each_feature() {
                   field_v,field_sigma,layer,motion";
     assert_eq!(lines.next(), Some(header));
     assert_eq!(lines.next(), Some("10.1,20.7,1.6,-3,0.33333334,-0,-0.0000001,inf,-1,0,0,0,,,,,unknown"));
-    assert_eq!(text.lines().count(), 5);
-    assert!(text.ends_with('\n'));
-    let rows = features.iter().map(|f| Feature { slope_index: 0, ..*f }).collect();
-    assert_eq!(read_features_csv(&path), Ok(rows));
-}
-
-#[test]
-fn csv_of_earlier_versions_is_read() {
-    let (_folder, path) = folder_with("a.csv");
+    assert!(text.lines().count() == 5 && text.ends_with('\n'));
+    assert_eq!(read_features_csv(&path), Ok(features.iter().map(|f| Feature { slope_index: 0, ..*f }).collect()));
+    write_csv(&path, &[], None).expect("written");
+    assert_eq!(fs::read_to_string(&path).expect("read"), feature_header() + "\n");
+    assert_eq!(read_features_csv(&path), Ok(Vec::new()));
     let by_itself = Feature { slope: Slope::new(9.0, 0.0), slope_sigma: 0.1, field_sigma: 0.1, ..feature(1) };
     write_csv(&path, &[by_itself], None).expect("written");
     let text = fs::read_to_string(&path).expect("read");
@@ -97,14 +93,6 @@ fn csv_of_earlier_versions_is_read() {
 }
 
 #[test]
-fn an_empty_csv_is_a_header() {
-    let (_folder, path) = folder_with("a.csv");
-    write_csv(&path, &[], None).expect("written");
-    assert_eq!(fs::read_to_string(&path).expect("read"), feature_header() + "\n");
-    assert_eq!(read_features_csv(&path), Ok(Vec::new()));
-}
-
-#[test]
 fn csv_errors_name_the_file_the_line_and_the_column() {
     let (_folder, path) = folder_with("a.csv");
     says(read_features_csv(&path).expect_err("missing"), &["a.csv"]);
@@ -113,9 +101,7 @@ fn csv_errors_name_the_file_the_line_and_the_column() {
     let last_line = bytes.len() - 3;
     bytes[last_line] = 0xff;
     fs::write(&path, bytes).expect("written");
-    let error = read_features_csv(&path).expect_err("not text");
-    assert!(error.problem.starts_with("line 3: "), "{error}");
-    assert!(error.to_string().contains("a.csv"), "{error}");
+    says(read_features_csv(&path).expect_err("not text"), &["line 3: ", "a.csv"]);
     let read = |text: &str| {
         fs::write(&path, text).expect("written");
         read_features_csv(&path)
@@ -155,7 +141,7 @@ proptest! {
 }
 
 #[test]
-fn npz_holds_both_arrays() {
+fn npz_holds_both_arrays_and_colmap_text_has_its_header_its_offset_and_its_numbers() {
     let (_folder, path) = folder_with("a.npz");
     for count in [0, 1, 5] {
         let Detection { features, descriptors, .. } = detection(count);
@@ -165,30 +151,11 @@ fn npz_holds_both_arrays() {
         let rows: Array2<f32> = npz.by_name("features").expect("features");
         let bytes: Array2<u8> = npz.by_name("descriptors").expect("descriptors");
         assert_eq!((rows.dim(), bytes.dim()), ((count as usize, 17), (count as usize, 128)));
-        for (i, (feature, descriptor)) in features.iter().zip(&descriptors).enumerate() {
-            // A motion of the field that is unknown is no number.
-            let same = |(a, b): (&f32, &f32)| a == b || a.is_nan() && b.is_nan();
-            let expected = stored(feature);
-            assert_eq!(rows.row(i).len(), expected.len());
-            assert!(rows.row(i).iter().zip(&expected).all(same), "{} {expected:?}", rows.row(i));
-            assert_eq!(bytes.row(i).to_vec(), descriptor);
-        }
+        // A motion of the field that is unknown is no number.
+        let same = |(a, b): (&f32, f32)| *a == b || a.is_nan() && b.is_nan();
+        assert!(rows.iter().zip(features.iter().flat_map(stored)).all(same), "{rows}");
+        assert!(bytes.iter().eq(descriptors.as_flattened()));
     }
-}
-
-#[test]
-fn the_same_features_give_the_same_bytes() {
-    let folder = folder();
-    let detection = detection(9);
-    let paths =
-        ["a", "b"].map(|name| write_detection(&folder, name, &detection, None, &ExportFormat::ALL).expect("written"));
-    for (a, b) in paths[0].iter().zip(&paths[1]) {
-        assert_eq!(fs::read(a).expect("read"), fs::read(b).expect("read"), "{}", a.display());
-    }
-}
-
-#[test]
-fn colmap_text_has_its_header_its_offset_and_its_numbers() {
     let (_folder, path) = folder_with("a.txt");
     let Detection { features, descriptors, .. } = detection(3);
     write_colmap(&path, &features, &descriptors).expect("written");
@@ -200,8 +167,7 @@ fn colmap_text_has_its_header_its_offset_and_its_numbers() {
         let numbers: Vec<f32> = line.split(' ').map(|n| n.parse().expect("a number")).collect();
         assert_eq!(numbers.len(), 4 + 128);
         // The first pixel's centre, (0, 0) here, is (0.5, 0.5) there.
-        let expected = [feature.u + 0.5, feature.v + 0.5, feature.sigma, feature.orientation];
-        assert_eq!(numbers[..4], expected);
+        assert_eq!(numbers[..4], [feature.u + 0.5, feature.v + 0.5, feature.sigma, feature.orientation]);
         assert!(numbers[4..].iter().zip(descriptor).all(|(n, d)| *n == f32::from(*d)));
         assert!(line.split(' ').skip(4).all(|n| n.parse::<u8>().is_ok()), "descriptors are whole numbers");
     }
@@ -209,7 +175,14 @@ fn colmap_text_has_its_header_its_offset_and_its_numbers() {
 }
 
 #[test]
-fn a_detection_is_written_in_every_format_under_the_bursts_name() {
+fn the_same_features_give_the_same_bytes_in_every_format_under_the_bursts_name() {
+    let folder = folder();
+    let nine = detection(9);
+    let paths =
+        ["a", "b"].map(|name| write_detection(&folder, name, &nine, None, &ExportFormat::ALL).expect("written"));
+    for (a, b) in paths[0].iter().zip(&paths[1]) {
+        assert_eq!(fs::read(a).expect("read"), fs::read(b).expect("read"), "{}", a.display());
+    }
     let (_folder, out) = folder_with("out/here");
     let paths = write_detection(&out, "slider-far", &detection(2), None, &ExportFormat::ALL).expect("written");
     assert_eq!(paths, ["slider-far.csv", "slider-far.txt", "slider-far.npz"].map(|n| out.join(n)));
@@ -219,18 +192,13 @@ fn a_detection_is_written_in_every_format_under_the_bursts_name() {
 }
 
 #[test]
-fn a_plane_survives_as_tiff_and_opens_as_a_burst() {
+fn a_plane_survives_as_tiff_and_opens_as_a_burst_and_png_keeps_every_byte() {
     let (_folder, path) = folder_with("dog.tiff");
     let plane = Plane::from_fn(31, 17, |u, v| (u as f32 - 15.0) * 1e-4 / (1.0 + v as f32));
     write_tiff(&path, &plane).expect("written");
-    let burst = Burst::open(&path).expect("opens");
-    assert_eq!(*burst.frames[0], plane);
+    assert_eq!(*Burst::open(&path).expect("opens").frames[0], plane);
     says(write_tiff(&path, &Plane::zeros(0, 5)).expect_err("no pixels").problem, &["0×5"]);
     assert!(Burst::open(&path).is_ok(), "the file that was there is untouched");
-}
-
-#[test]
-fn png_keeps_every_byte() {
     let (_folder, path) = folder_with("view.png");
     let pixels: Vec<u8> = (0..5 * 3 * 4).map(|i| (i * 11) as u8).collect();
     write_png(&path, Bitmap::rgba(5, 3, &pixels)).expect("written");
@@ -240,7 +208,6 @@ fn png_keeps_every_byte() {
     assert!(write_png(&path, Bitmap::rgb(0, 0, &[])).is_err_and(|error| error.problem.contains("0×0")));
 }
 
-/// The attribute as a number.
 fn number(node: roxmltree::Node<'_, '_>, name: &str) -> f32 {
     node.attribute(name).and_then(|n| n.parse().ok()).unwrap_or_else(|| panic!("{name} of {node:?}"))
 }
@@ -285,16 +252,14 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     let title = Some("Slope < 3 & \"noise\" \u{7} é".into());
     let width = FigureWidth::PxPerPx(2.0);
     let options = FigureOptions { width, stroke_width: 2.0, ..FigureOptions::default() };
-    let drawing =
-        lay_out(&[vec![FigurePanel { title, legend, ..panel(&pixels) }]], &FigureMatches::default(), &options);
-    write_drawing(&path, &drawing).expect("written");
+    let one = vec![FigurePanel { title, legend, ..panel(&pixels) }];
+    write_drawing(&path, &lay_out(&[one], &FigureMatches::default(), &options)).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
     let all = |tag: &'static str| document.descendants().filter(move |n| n.has_tag_name(tag)).collect::<Vec<_>>();
     let root = document.root_element();
     assert!(root.has_tag_name(("http://www.w3.org/2000/svg", "svg")));
     assert!(number(root, "width") > 200.0, "a small picture's figure is wide enough for its title");
-
     // The picture, twice as large, with its exact bytes, and space for the title above and the legend below.
     let image = all("image")[0];
     assert_eq!((number(image, "width"), number(image, "height")), (80.0, 60.0));
@@ -302,9 +267,8 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     assert!(top > 14.0 && top + 60.0 + 14.0 < number(root, "height"));
     let href = image.attribute(("http://www.w3.org/1999/xlink", "href")).expect("a link");
     let coded = href.strip_prefix("data:image/png;base64,").expect("an embedded PNG");
-    let decoded = image::load_from_memory(&base64(coded)).expect("a PNG").into_rgba8();
-    assert_eq!(decoded.into_raw(), pixels);
-
+    let decoded = base64::engine::general_purpose::STANDARD.decode(coded).expect("Base64");
+    assert_eq!(image::load_from_memory(&decoded).expect("a PNG").into_rgba8().into_raw(), pixels);
     // The circles: the first pixel's centre is half a pixel from the corner. The one that is not a number is left out.
     let circles = all("circle");
     assert_eq!(circles.len(), 2);
@@ -317,7 +281,6 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     // The overlay is clipped to the picture.
     let clip = all("clipPath")[0].first_element_child().expect("a rectangle");
     assert_eq!((number(clip, "width"), number(clip, "height")), (80.0, 60.0));
-
     // One orientation tick each; an arrow with its barbs only where something moves.
     let paths =
         |class: &str| all("path").into_iter().filter(|p| p.attribute("class") == Some(class)).collect::<Vec<_>>();
@@ -340,16 +303,11 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     assert!(near(way(&fan)[0], left + 20.0) && near(way(&fan)[1], top + 10.0), "{:?}", way(&fan));
     let order = |node| document.descendants().position(|other| other == node);
     assert!(order(fan) < order(circles[0]) && order(fan) > order(image));
-
     let texts: Vec<_> = all("text").iter().filter_map(|t| t.text().map(str::to_owned)).collect();
     assert_eq!(texts, ["Slope < 3 & \"noise\" \u{fffd} é", "λ = (2, −1) px/frame", "a & b"]);
-
     // Without features there are no marks.
-    let plain = lay_out(
-        &[vec![FigurePanel { marks: Vec::new(), ..panel(&pixels) }]],
-        &FigureMatches::default(),
-        &FigureOptions::default(),
-    );
+    let plain = vec![FigurePanel { marks: Vec::new(), ..panel(&pixels) }];
+    let plain = lay_out(&[plain], &FigureMatches::default(), &FigureOptions::default());
     write_drawing(&path, &plain).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
@@ -378,26 +336,6 @@ fn several_panels_have_letters_bars_and_lengths() {
     let numbers: Vec<f32> =
         scale.attribute("d").expect("a path").split(['M', 'L', ' ']).filter_map(|n| n.parse().ok()).collect();
     assert!((numbers[2] - numbers[0] - 20.0).abs() < 1e-2, "{numbers:?}");
-}
-
-/// Decodes Base64.
-fn base64(text: &str) -> Vec<u8> {
-    let digit = |c: u8| match c {
-        b'A'..=b'Z' => u32::from(c - b'A'),
-        b'a'..=b'z' => u32::from(c - b'a') + 26,
-        b'0'..=b'9' => u32::from(c - b'0') + 52,
-        b'+' => 62,
-        b'/' => 63,
-        _ => 0,
-    };
-    let padding = text.bytes().rev().take_while(|c| *c == b'=').count();
-    let mut bytes = Vec::new();
-    for chunk in text.as_bytes().chunks(4) {
-        let bits = chunk.iter().fold(0, |bits, c| bits << 6 | digit(*c));
-        bytes.extend(&bits.to_be_bytes()[1..]);
-    }
-    bytes.truncate(bytes.len() - padding);
-    bytes
 }
 
 proptest! {
@@ -442,7 +380,7 @@ fn what_cannot_be_written_leaves_everything_as_it_was() {
 }
 
 #[test]
-fn both_formats_come_back_with_the_same_places() {
+fn both_formats_come_back_with_the_same_places_and_what_is_neither_is_refused_with_what_would_be_right() {
     let home = folder();
     let slope = Slope::new(1.0, -0.5);
     let at = |u, v| Feature { u, v, sigma: 2.5, orientation: 0.5, slope, ..Feature::default() };
@@ -456,20 +394,16 @@ fn both_formats_come_back_with_the_same_places() {
         assert_eq!((a.pos_image, a.sigma, a.orientation), (b.pos_image, b.sigma, b.orientation));
     }
     assert_eq!((a[0].slope, b[0].slope), (Some(slope), None));
-}
-
-fn error_of(text: &str) -> String {
-    let file = tempfile::NamedTempFile::new().expect("a file");
-    fs::write(file.path(), text).expect("written");
-    read_features(file.path()).expect_err("refused").to_string()
-}
-
-#[test]
-fn what_is_neither_is_refused_with_what_would_be_right() {
     says(error_of("x;y;z\n1;2;3\n"), &["x;y;z", "u,v,sigma", "COLMAP"]);
     assert!(error_of("").contains("neither"));
     let header = feature_header();
     assert!(error_of(&format!("{header}\nnan,2,3,0,0,0,0.1,5,0,0,0,0,0,0,inf,0,unknown\n")).contains("two numbers"));
     assert!(error_of(&format!("{header}\n1,2,0,0,0,0,0.1,5,0,0,0,0,0,0,inf,0,unknown\n")).contains("above 0"));
     says(read_features(Path::new("/nowhere/at.all")).expect_err("missing"), &["/nowhere/at.all"]);
+}
+
+fn error_of(text: &str) -> String {
+    let file = tempfile::NamedTempFile::new().expect("a file");
+    fs::write(file.path(), text).expect("written");
+    read_features(file.path()).expect_err("refused").to_string()
 }

@@ -11,10 +11,8 @@ use burstscope_core::dataset::camera::read_camera;
 use burstscope_core::export::case::{self, Case, Enclosed, read_case, write_case};
 use burstscope_core::export::{parse_colmap, read_features_csv, write_colmap, write_csv};
 use burstscope_core::inspect::result::{read_features, read_truth};
-use burstscope_lab::evaluate::accuracy::stands_apart;
-use burstscope_lab::evaluate::poses::{read_sparse_model, read_trajectory};
+use burstscope_lab::evaluate::{accuracy::stands_apart, poses::read_sparse_model, poses::read_trajectory};
 use burstscope_lab::synth::{ChartParams, synth_chart, write_burst};
-use proptest::prelude::*;
 use std::sync::OnceLock;
 
 /// Writes a file of this name with these bytes into the test's own folder.
@@ -24,7 +22,6 @@ fn file(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     path
 }
 
-/// A folder shared by all inputs of one test.
 macro_rules! folder {
     () => {{
         static FOLDER: OnceLock<Folder> = OnceLock::new();
@@ -112,14 +109,11 @@ fn sound_inputs_are_read() {
     let folder = folder!();
     assert!(read_camera(&file(folder, "camera.toml", CAMERA.as_bytes())).is_ok());
     assert!(read_truth(&file(folder, "truth.json", &sound().truth)).is_ok());
-    let case = file(folder, "a.burstcase", &sound().case);
-    assert!(read_case(&case, &Limits::default(), &quiet()).is_ok());
+    assert!(read_case(&file(folder, "a.burstcase", &sound().case), &Limits::default(), &quiet()).is_ok());
     assert_eq!(read_features_csv(&file(folder, "f.csv", &sound().csv)).expect("features").len(), 3);
     assert_eq!(parse_colmap(Path::new("f.txt"), &sound().colmap).expect("features").0.len(), 3);
     assert_eq!(read_trajectory(&file(folder, "poses.txt", TRAJECTORY.as_bytes())).expect("poses").poses.len(), 3);
-    for text in param_files() {
-        assert!(SearchParams::from_toml(&text).is_ok(), "{text}");
-    }
+    param_files().into_iter().for_each(|text| assert!(SearchParams::from_toml(&text).is_ok(), "{text}"));
     for extension in ["txt", "bin"] {
         let folder = folder.join(extension);
         fs::create_dir_all(&folder).expect("made");

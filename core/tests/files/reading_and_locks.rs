@@ -6,7 +6,7 @@ use burstscope_core::files::{explained, path_text, read_text, whole_number, writ
 use std::io;
 
 #[test]
-fn files_are_read_up_to_their_limit() {
+fn files_are_read_up_to_their_limit_which_is_said_also_by_an_encoder() {
     let (home, path) = folder_with("a.toml");
     fs::write(&path, "levels = 4\n").expect("written");
     assert_eq!(read_text(&path, 11).expect("just fits"), "levels = 4\n");
@@ -16,10 +16,6 @@ fn files_are_read_up_to_their_limit() {
     assert_eq!(read_text(&path, 10).expect_err("no text").kind(), io::ErrorKind::InvalidData);
     #[cfg(unix)]
     assert_eq!(read_text(Path::new("/dev/zero"), 10).expect_err("a device").kind(), io::ErrorKind::InvalidInput);
-}
-
-#[test]
-fn a_limit_on_the_size_of_files_is_said_also_by_an_encoder() {
     let limit = || io::Error::from(io::ErrorKind::FileTooLarge);
     for error in [limit(), io::Error::other(limit()), io::Error::other(io::Error::other(limit()))] {
         assert!(write_problem(&error).contains("ulimit -f"), "{error}");
@@ -28,13 +24,24 @@ fn a_limit_on_the_size_of_files_is_said_also_by_an_encoder() {
 }
 
 #[test]
-fn a_newer_writer_is_said() {
-    let older = format!("{}levels = 4\n", written_by());
-    assert_eq!(explained(&older, "unknown field"), "unknown field");
+fn a_newer_writer_is_said_and_a_path_ends_the_line_while_anything_else_begins_it() {
+    assert_eq!(explained(&format!("{}levels = 4\n", written_by()), "unknown field"), "unknown field");
     assert_eq!(explained("levels = 4", "unknown field"), "unknown field");
     let newer = "# Written by Burstscope 99.10.2\nlevels = 4\n";
     says(explained(newer, "unknown field"), &["99.10.2", env!("CARGO_PKG_VERSION"), "unknown field"]);
     assert_eq!(explained("# Written by Burstscope soon\n", "x"), "x");
+    let path = Path::new("night/f0.png");
+    let content = Error::new(ErrorKind::Content, "made for 9 pixels", "give another").about(path);
+    for (error, words) in [
+        (Error::param("ratio", "2 is above 1", "give 0 to 1"), "ratio: 2 is above 1; give 0 to 1"),
+        (Error::param("", "there is no format 'x'", ""), "there is no format 'x'"),
+        (content, "night/f0.png: made for 9 pixels; give another"),
+        (Error::unread(path, "it is gone"), "cannot read this: it is gone: night/f0.png"),
+        (Error::new(ErrorKind::Locked, "another writes", "wait").about(path), "another writes; wait: night/f0.png"),
+        (Cancelled.into(), "cancelled"),
+    ] {
+        assert_eq!(error.to_string(), words);
+    }
 }
 
 #[cfg(unix)]
@@ -48,18 +55,7 @@ fn names_that_are_no_text_are_said_and_told_apart() {
 }
 
 #[test]
-fn whole_numbers_are_those_that_files_keep() {
-    assert_eq!((whole_number(" 7 "), whole_number("9223372036854775807")), (Ok(7u64), Ok(i64::MAX.unsigned_abs())));
-    assert_eq!(whole_number::<u32>("4294967295"), Ok(u32::MAX));
-    let fault = |text: &str| whole_number::<u64>(text).expect_err(text);
-    assert_eq!(fault("-1"), "'-1' is not a whole number of 0 or more");
-    let most = "is more than 9223372036854775807";
-    assert!(fault("9223372036854775808").contains(most) && fault(&"9".repeat(40)).contains(most));
-    assert!(whole_number::<u32>("4294967296").is_err_and(|fault| fault.contains("more than 4294967295")));
-}
-
-#[test]
-fn one_at_a_time_and_the_owner_is_named() {
+fn one_at_a_time_and_the_owner_is_named_and_whole_numbers_are_those_that_files_keep() {
     let (home, folder) = folder_with("deep/new");
     for lock in [FolderLock::take, FolderLock::beside] {
         let first = lock(&folder).expect("free");
@@ -71,11 +67,18 @@ fn one_at_a_time_and_the_owner_is_named() {
     let of_another = FolderLock::beside(&home.join("b")).expect("free");
     FolderLock::beside(&home.join("a")).expect("another folder's lock is no hindrance");
     drop(of_another);
+    assert_eq!((whole_number(" 7 "), whole_number("9223372036854775807")), (Ok(7u64), Ok(i64::MAX.unsigned_abs())));
+    assert_eq!(whole_number::<u32>("4294967295"), Ok(u32::MAX));
+    let fault = |text: &str| whole_number::<u64>(text).expect_err(text);
+    assert_eq!(fault("-1"), "'-1' is not a whole number of 0 or more");
+    let most = "is more than 9223372036854775807";
+    assert!(fault("9223372036854775808").contains(most) && fault(&"9".repeat(40)).contains(most));
+    assert!(whole_number::<u32>("4294967296").is_err_and(|fault| fault.contains("more than 4294967295")));
 }
 
 #[cfg(unix)]
 #[test]
-fn nothing_is_left_but_what_was_written() {
+fn nothing_is_left_but_what_was_written_and_a_link_in_place_of_the_lock_is_not_followed() {
     let home = folder();
     let names = || fs::read_dir(&home).expect("a folder").count();
     let folder = home.join("a/b/c");
@@ -89,6 +92,11 @@ fn nothing_is_left_but_what_was_written() {
     fs::write(home.join(".burstscope-old.lock"), "process 4711").expect("written");
     drop(FolderLock::beside(&home.join("d")).expect("free"));
     assert_eq!(names(), 1);
+    let (home, precious) = folder_with("thesis.txt");
+    fs::write(&precious, "precious").expect("written");
+    std::os::unix::fs::symlink(&precious, home.join(LOCK_FILE)).expect("linked");
+    assert!(FolderLock::take(&home).is_err_and(|error| error.kind == ErrorKind::Unwritten));
+    assert_eq!(fs::read_to_string(&precious).expect("there"), "precious");
 }
 
 #[cfg(unix)]
@@ -132,30 +140,4 @@ fn many_who_want_it_have_it_one_after_the_other() {
         }
     });
     assert_eq!(had.load(Ordering::SeqCst), 160);
-}
-
-#[cfg(unix)]
-#[test]
-fn a_link_in_place_of_the_lock_is_not_followed() {
-    let (home, precious) = folder_with("thesis.txt");
-    fs::write(&precious, "precious").expect("written");
-    std::os::unix::fs::symlink(&precious, home.join(LOCK_FILE)).expect("linked");
-    assert!(FolderLock::take(&home).is_err_and(|error| error.kind == ErrorKind::Unwritten));
-    assert_eq!(fs::read_to_string(&precious).expect("there"), "precious");
-}
-
-#[test]
-fn a_path_ends_the_line_and_anything_else_begins_it() {
-    let path = Path::new("night/f0.png");
-    let content = Error::new(ErrorKind::Content, "made for 9 pixels", "give another").about(path);
-    for (error, words) in [
-        (Error::param("ratio", "2 is above 1", "give 0 to 1"), "ratio: 2 is above 1; give 0 to 1"),
-        (Error::param("", "there is no format 'x'", ""), "there is no format 'x'"),
-        (content, "night/f0.png: made for 9 pixels; give another"),
-        (Error::unread(path, "it is gone"), "cannot read this: it is gone: night/f0.png"),
-        (Error::new(ErrorKind::Locked, "another writes", "wait").about(path), "another writes; wait: night/f0.png"),
-        (Cancelled.into(), "cancelled"),
-    ] {
-        assert_eq!(error.to_string(), words);
-    }
 }

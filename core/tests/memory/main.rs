@@ -23,7 +23,6 @@ fn alone() -> MutexGuard<'static, ()> {
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
-/// Bytes allocated now.
 fn allocated_bytes() -> u64 {
     ALLOCATOR.current_usage() as u64
 }

@@ -9,7 +9,7 @@ use burstscope_lab::evaluate::accuracy::{AccuracyReport, AccuracyStudy};
 use burstscope_lab::evaluate::statistics::Errors;
 use burstscope_lab::evaluate::{RowStudy, motion_name};
 
-/// Bounds at one signal-to-noise ratio. All are medians of magnitudes.
+#[derive(Debug)]
 struct Bar {
     snr: f64,
     /// Distance from the true position, pixels.
@@ -41,32 +41,13 @@ fn check(report: &AccuracyReport, bars: &[Bar], crowded: bool) {
         let median = |e: &Errors| e.median_magnitude;
         let slopes =
             if report.chart.motion == Motion::TwoD { vec![&row.slope_u, &row.slope_v] } else { vec![&row.slope_u] };
-        println!(
-            "{} {} SNR {}: {} of {} found; median errors: distance {:.4} px (bar {}), scale {:.4} (bar {}), slope {:.4?} px/frame (bar {}); \
-             bias in scale {:.4}; beyond the grid {} of {} found discs are marked",
-            motion_name(report.chart.motion),
-            if crowded { "crowded" } else { "apart" },
-            row.snr,
-            row.within.found,
-            row.within.discs,
-            row.distance[0],
-            bar.distance_px,
-            median(&row.scale),
-            bar.scale,
-            slopes.iter().map(|s| median(s)).collect::<Vec<_>>(),
-            bar.slope_px_per_frame,
-            row.scale.signed,
-            row.beyond.marked,
-            row.beyond.found,
-        );
+        println!("{}, crowded: {crowded}, within {bar:?}: {row:?}", motion_name(report.chart.motion));
         assert_eq!(row.snr, bar.snr);
         assert!(row.within.found * 100 >= row.within.discs * 95, "{:?}", row.within);
         assert!(row.u.count >= 25, "few are left to compare: {:?}", row.within);
         assert!(row.distance[0] <= bar.distance_px, "{:?}", row.distance);
         assert!(median(&row.scale) <= bar.scale, "{:?}", row.scale);
-        for slope in &slopes {
-            assert!(median(slope) <= bar.slope_px_per_frame, "{slope:?}");
-        }
+        slopes.iter().for_each(|slope| assert!(median(slope) <= bar.slope_px_per_frame, "{slope:?}"));
         let mut unbiased = [vec![&row.u, &row.v], slopes].concat();
         if crowded {
             assert!(row.scale.signed.mean.abs() <= CROWDED_SCALE_BIAS, "{:?}", row.scale);
@@ -103,31 +84,18 @@ fn run(study: &AccuracyStudy) -> AccuracyReport {
 }
 
 #[test]
-fn discs_that_stand_apart_in_one_dimension_of_motion() {
+fn discs_apart_and_crowded_in_one_and_two_dimensions_of_motion() {
     check(&run(&study(Motion::OneD, &APART, 4).standing_apart(20)), &APART, false);
-}
-
-#[test]
-fn discs_that_stand_apart_in_two_dimensions_of_motion() {
     check(&run(&small_2d(&APART, 8).standing_apart(7)), &APART, false);
-}
-
-#[test]
-fn crowded_discs_in_one_dimension_of_motion() {
     check(&run(&study(Motion::OneD, &CROWDED, 3)), &CROWDED, true);
-}
-
-#[test]
-fn crowded_discs_in_two_dimensions_of_motion() {
     check(&run(&small_2d(&CROWDED, 4)), &CROWDED, true);
 }
 
 /// Without noise only the sampling errors remain.
 #[test]
-fn without_noise_a_hundredth_of_a_pixel_is_far() {
+fn without_noise_a_hundredth_of_a_pixel_is_far_and_the_report_does_not_depend_on_the_threads() {
     let study = AccuracyStudy { snrs: vec![f64::INFINITY], ..study(Motion::OneD, &APART, 2) };
-    let report = run(&study.standing_apart(20));
-    let row = &report.rows[0];
+    let row = &run(&study.standing_apart(20)).rows[0];
     println!(
         "without noise: distance {:.4?} px, scale {:.5}, slope {:.5}",
         row.distance, row.scale.median_magnitude, row.slope_u.median_magnitude
@@ -135,10 +103,6 @@ fn without_noise_a_hundredth_of_a_pixel_is_far() {
     assert!(row.distance[0] <= 0.003 && row.distance[1] <= 0.02, "{:?}", row.distance);
     assert!(row.scale.median_magnitude <= 0.001, "{:?}", row.scale);
     assert!(row.slope_u.median_magnitude <= 0.002, "{:?}", row.slope_u);
-}
-
-#[test]
-fn the_report_does_not_depend_on_the_threads() {
     let study = AccuracyStudy {
         chart: ChartParams { width: 300, height: 200, discs: 10, max_slope: 1.5, ..ChartParams::default() },
         snrs: vec![2.0, f64::INFINITY],

@@ -1,15 +1,14 @@
 //! Advice on slopes, against the truth.
 
 use crate::prelude::*;
-use burstscope_lab::evaluate::AdviceStudy;
-use burstscope_lab::evaluate::advice::{AdvisedBurst, Statement};
+use burstscope_lab::evaluate::{AdviceStudy, advice::AdvisedBurst, advice::Statement};
 
 fn study(seeds: u64) -> AdviceStudy {
     AdviceStudy { snrs: vec![2.0], seeds, first_seed: 1 }
 }
 
 #[test]
-fn a_table_sums_to_the_bursts_whatever_the_threads() {
+fn a_table_sums_to_the_bursts_whatever_the_threads_and_nonsense_is_refused() {
     let on = |threads| on_threads(threads, || study(1).run(&quiet())).expect("a report");
     let report = on(1);
     assert_eq!(report, on(2));
@@ -29,10 +28,6 @@ fn a_table_sums_to_the_bursts_whatever_the_threads() {
     let share = report.bursts.iter().filter(|burst| wrong(burst)).count() as f64
         / report.bursts.iter().filter(said).count() as f64;
     assert_eq!(report.wrong_share, Some(share));
-}
-
-#[test]
-fn nonsense_is_refused() {
     for (study, start) in [
         (AdviceStudy { snrs: Vec::new(), ..study(1) }, "snr"),
         (AdviceStudy { snrs: vec![-1.0], ..study(1) }, "snr"),

@@ -8,8 +8,7 @@ use burstscope_lab::evaluate::{
     BurstFramesStudy, BurstMethod, ChartReport, ChartStudy, NoiseStudy, RowStudy, Searches,
 };
 use burstscope_lab::study::StudyReport;
-use std::ops::RangeInclusive;
-use std::sync::{Arc, Mutex};
+use std::{ops::RangeInclusive, sync::Arc, sync::Mutex};
 
 fn chart(size: (usize, usize), discs: usize, radius: RangeInclusive<f64>, max_slope: f64) -> ChartParams {
     ChartParams { width: size.0, height: size.1, discs, radius, max_slope, ..ChartParams::default() }
@@ -64,17 +63,13 @@ fn the_burst_search_finds_in_the_dark_what_one_frame_does_not_show() {
 }
 
 #[test]
-fn motion_across_the_line_needs_the_plane() {
+fn motion_across_the_line_needs_the_plane_and_slopes_that_are_found_serve_as_well() {
     let study = ChartStudy { methods: vec![BurstMethod::Buff1d, BurstMethod::Buff2d], ..small_study() };
     let chart = ChartParams { motion: Motion::TwoD, ..study.chart.clone() };
     let report = ChartStudy { chart, ..study }.run(&quiet()).expect("a report");
     let (one_d, two_d) = (found(&report, BurstMethod::Buff1d), found(&report, BurstMethod::Buff2d));
     println!("of 14 discs with 2D motion at SNR 0.6: BuFF 1D {one_d}, BuFF 2D {two_d}");
     assert!(two_d >= 10.0 && two_d > one_d, "{one_d} {two_d}");
-}
-
-#[test]
-fn slopes_that_are_found_serve_as_well_as_those_that_are_known() {
     let study = ChartStudy { methods: vec![BurstMethod::Buff1d, BurstMethod::BuffAuto], ..small_study() };
     let report = study.run(&quiet()).expect("a report");
     let (known, auto) = (found(&report, BurstMethod::Buff1d), found(&report, BurstMethod::BuffAuto));
@@ -83,12 +78,18 @@ fn slopes_that_are_found_serve_as_well_as_those_that_are_known() {
 }
 
 #[test]
-fn the_report_does_not_depend_on_the_threads() {
+fn the_report_does_not_depend_on_the_threads_and_without_the_gate_the_study_sees_below_it() {
     let study = ChartStudy { seeds: 3, methods: vec![BurstMethod::SiftMean, BurstMethod::Buff1d], ..small_study() };
     let with = |threads| on_threads(threads, || study.run(&quiet()).expect("a report"));
     let one = with(1);
     assert_eq!(one, with(2));
     assert_eq!(one, with(5));
+    let with = |gate: &str| {
+        let mut study = ChartStudy { seeds: 1, methods: vec![BurstMethod::Buff1d], ..small_study() };
+        study.searches.detector.noise_gate = gate.parse().expect("a gate");
+        study.run(&quiet()).expect("a report").rows[0].methods[0].default_false_features.mean
+    };
+    assert!(with("3.5") > with("auto") + 5.0);
 }
 
 #[test]
@@ -117,17 +118,7 @@ fn at_the_threshold_of_the_same_false_rate_a_tenth_is_false() {
 }
 
 #[test]
-fn without_the_gate_the_study_sees_below_it() {
-    let with = |gate: &str| {
-        let mut study = ChartStudy { seeds: 1, methods: vec![BurstMethod::Buff1d], ..small_study() };
-        study.searches.detector.noise_gate = gate.parse().expect("a gate");
-        study.run(&quiet()).expect("a report").rows[0].methods[0].default_false_features.mean
-    };
-    assert!(with("3.5") > with("auto") + 5.0);
-}
-
-#[test]
-fn the_figure_is_a_valid_picture_with_every_method_named() {
+fn figures_of_methods_and_over_the_number_of_frames_are_valid_pictures() {
     let methods = BurstMethod::ALL.to_vec();
     let study = ChartStudy { snrs: vec![0.3, 0.6, f64::INFINITY], methods, ..small_study() };
     let report = study.run(&quiet());
@@ -138,7 +129,6 @@ fn the_figure_is_a_valid_picture_with_every_method_named() {
     says(&svg, &["SNR 0.3", "SNR 0.6", "no noise", "false features", "discs found, of 14", "10 % false"]);
     assert!(BurstMethod::ALL.iter().all(|m| svg.contains(m.label())));
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
-    // All curves lie inside their panels.
     let size = |name| document.root_element().attribute(name).and_then(|x| x.parse::<f64>().ok()).expect("a number");
     let (width, height) = (size("width"), size("height"));
     for line in document.descendants().filter(|n| n.has_tag_name("path")) {
@@ -148,6 +138,21 @@ fn the_figure_is_a_valid_picture_with_every_method_named() {
             assert!(x > 0.0 && x < width && y > 0.0 && y < height, "{point}");
         }
     }
+    let methods = vec![BurstMethod::SiftMean, BurstMethod::Buff1d];
+    let charts = ChartStudy { methods, ..small_study() };
+    let report = ChartStudy { frame_counts: vec![2, 5], ..charts }.run(&quiet()).expect("a report");
+    let svg = frames_figure(&report).drawing.svg();
+    let document = roxmltree::Document::parse(&svg).expect("valid XML");
+    let dots = document.descendants().filter(|n| n.has_tag_name("circle")).count();
+    assert_eq!(dots, 8, "two plots, two methods, two numbers of frames");
+    assert!(svg.contains("SIFT, plain mean") && svg.contains("14 discs"), "{svg}");
+    assert!(!svg.contains("NaN"));
+    let chart = ChartParams { frames: 4, snr: 1.0, ..small_study().chart };
+    let (burst, truth) = burstscope_core::synth::synth_chart(&chart, &quiet()).expect("a chart");
+    let report = BurstFramesStudy::default().run(&burst, None, Some(&truth), &quiet()).expect("a report");
+    let svg = burst_frames_figure(&report).drawing.svg();
+    roxmltree::Document::parse(&svg).expect("valid XML");
+    assert!(svg.contains("confirmed by all frames") && svg.contains("discs found") && !svg.contains("inliers"));
 }
 
 #[test]
@@ -167,8 +172,7 @@ fn pure_noise_passes_the_gate_about_as_seldom_as_promised() {
             // At most one per megapixel is promised; more than five of one would occur once in 1700 runs, and the seed
             // is fixed.
             assert!(search.false_features <= 5, "{search:?}");
-            let ratio = search.noise_estimate_ratio.expect("it is white");
-            assert!((ratio - 1.0).abs() < 0.05, "{search:?}");
+            assert!((search.noise_estimate_ratio.expect("it is white") - 1.0).abs() < 0.05, "{search:?}");
         }
     }
     // The count responds to the gate: a low gate gives many features.
@@ -178,34 +182,12 @@ fn pure_noise_passes_the_gate_about_as_seldom_as_promised() {
     assert!(report.rows[0].searches[0].per_megapixel > 20.0, "{report:?}");
 }
 
-#[test]
-fn figures_over_the_number_of_frames_are_valid_pictures() {
-    let methods = vec![BurstMethod::SiftMean, BurstMethod::Buff1d];
-    let charts = ChartStudy { methods, ..small_study() };
-    let report = ChartStudy { frame_counts: vec![2, 5], ..charts }.run(&quiet()).expect("a report");
-    let svg = frames_figure(&report).drawing.svg();
-    let document = roxmltree::Document::parse(&svg).expect("valid XML");
-    let dots = document.descendants().filter(|n| n.has_tag_name("circle")).count();
-    assert_eq!(dots, 8, "two plots, two methods, two numbers of frames");
-    assert!(svg.contains("SIFT, plain mean") && svg.contains("14 discs"), "{svg}");
-    assert!(!svg.contains("NaN"));
-
-    let chart = ChartParams { frames: 4, snr: 1.0, ..small_study().chart };
-    let (burst, truth) = burstscope_core::synth::synth_chart(&chart, &quiet()).expect("a chart");
-    let report = BurstFramesStudy::default().run(&burst, None, Some(&truth), &quiet()).expect("a report");
-    let svg = burst_frames_figure(&report).drawing.svg();
-    roxmltree::Document::parse(&svg).expect("valid XML");
-    assert!(svg.contains("confirmed by all frames") && svg.contains("discs found") && !svg.contains("inliers"));
-}
-
 mod methods {
     use super::*;
 
     #[test]
     fn methods_and_their_names_agree() {
-        for method in BurstMethod::ALL {
-            assert_eq!(method.name().parse(), Ok(method));
-        }
+        BurstMethod::ALL.into_iter().for_each(|method| assert_eq!(method.name().parse(), Ok(method)));
         let all = || BurstMethod::ALL.into_iter().chain([BurstMethod::Gold]);
         for method in all() {
             assert_eq!(serde_json::to_value(method).expect("a word"), method.name());
@@ -267,7 +249,6 @@ mod chart {
         assert_eq!(report.rows[1].methods, alone.rows[0].methods);
         let json = serde_json::to_value(&report).expect("JSON");
         assert_eq!((&json["rows"][0]["frames"], &json["rows"][0]["snr"]), (&2.into(), &serde_json::Value::Null));
-        // More frames have less noise.
         let buff = |row: usize| report.rows[row].methods[1].true_positives.mean;
         assert!(buff(1) > buff(0), "{} {}", buff(0), buff(1));
         let heard = heard.lock().expect("not poisoned");

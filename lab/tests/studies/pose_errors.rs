@@ -1,7 +1,6 @@
 //! Errors of poses and their report.
 
-use burstscope_lab::evaluate::poses::report::*;
-use burstscope_lab::evaluate::poses::{Pose, Trajectory};
+use burstscope_lab::evaluate::poses::{Pose, Trajectory, report::*};
 use nalgebra::{Isometry3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -59,13 +58,18 @@ fn a_turn_of_all_cameras_is_told_from_those_of_each() {
 }
 
 #[test]
-fn studies_that_make_no_sense_are_refused() {
+fn studies_that_make_no_sense_are_refused_and_summaries_by_hand() {
     let truth = trajectory(&[[0.0; 3], [1.0, 0.0, 0.0]]);
     let error = |study| evaluate_poses(&truth, &truth, &study).expect_err("refused").to_string();
     assert!(error(PoseStudy { step: 0, ..PoseStudy::default() }).starts_with("step: "));
     assert!(error(PoseStudy { images: Some(1), ..PoseStudy::default() }).contains("2 images have a pose"));
     let never = PoseStudy { max_time_difference: f64::NAN, ..PoseStudy::default() };
     assert!(error(never).starts_with("max-time-difference: "));
+    let summary = ErrorSummary::of(&[3.0, 1.0, 2.0, 6.0]);
+    assert!(near(summary.rmse, 12.5f64.sqrt()) && near(summary.mean, 3.0));
+    assert_eq!((summary.median, summary.max), (2.5, 6.0));
+    let none = ErrorSummary::of(&[]);
+    assert!(none.rmse.is_nan() && none.mean.is_nan() && none.median.is_nan() && none.max.is_nan());
 }
 
 fn pose(centre: [f64; 3], about_z: f64) -> Isometry3<f64> {
@@ -74,15 +78,6 @@ fn pose(centre: [f64; 3], about_z: f64) -> Isometry3<f64> {
 
 fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-9
-}
-
-#[test]
-fn summaries_by_hand() {
-    let summary = ErrorSummary::of(&[3.0, 1.0, 2.0, 6.0]);
-    assert!(near(summary.rmse, 12.5f64.sqrt()) && near(summary.mean, 3.0));
-    assert_eq!((summary.median, summary.max), (2.5, 6.0));
-    let none = ErrorSummary::of(&[]);
-    assert!(none.rmse.is_nan() && none.mean.is_nan() && none.median.is_nan() && none.max.is_nan());
 }
 
 #[test]
@@ -103,6 +98,5 @@ fn one_false_turn_spoils_one_motion_and_all_places_after_it() {
     let steps = PoseErrors::of(&relative(&estimate, &truth, 2));
     assert!(steps.count == 2 && near(steps.translation.max, 2.0f64.sqrt()) && near(steps.rotation_deg.mean, 45.0));
     assert!(relative(&estimate, &truth, 4).is_empty());
-    let places = PoseErrors::of(&absolute(&estimate, &truth));
-    assert!(near(places.translation.max, 8.0f64.sqrt()));
+    assert!(near(PoseErrors::of(&absolute(&estimate, &truth)).translation.max, 8.0f64.sqrt()));
 }

@@ -9,7 +9,6 @@ use burstscope_lab::evaluate::poses::{
     read_sparse_model,
 };
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
 fn pose(centre: [f64; 3], axis_angle: [f64; 3]) -> Isometry3<f64> {
@@ -17,17 +16,13 @@ fn pose(centre: [f64; 3], axis_angle: [f64; 3]) -> Isometry3<f64> {
 }
 
 #[test]
-fn a_mirrored_estimate_is_not_laid_on_by_a_mirror() {
+fn no_mirror_lays_on_a_mirrored_estimate_and_cameras_on_a_rail_turn_by_where_they_look() {
     let centres = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]];
     let truth = centres.map(|c| pose(c, [0.0; 3]));
     let mirror = centres.map(|[x, y, z]| pose([-x, y, z], [0.0; 3]));
     let Alignment { straight, truth_from_estimate } = align(&mirror, &truth).expect("aligned");
     let rotation = truth_from_estimate.rotation;
     assert!(!straight && (rotation.to_rotation_matrix().matrix().determinant() - 1.0).abs() < 1e-12);
-}
-
-#[test]
-fn cameras_on_a_rail_are_turned_about_it_by_where_they_look() {
     // The cameras look along the world's y; the estimate's world is turned by 1.1 about the rail.
     let roll = UnitQuaternion::new(Vector3::x() * 1.1);
     let looks = UnitQuaternion::new(Vector3::new(-FRAC_PI_2, 0.0, 0.0));
@@ -79,7 +74,7 @@ proptest! {
 }
 
 #[test]
-fn the_principal_plane_shows_the_way() {
+fn the_principal_plane_shows_the_way_and_a_free_view_begins_as_the_cameras_look_and_goes_around() {
     // Along (−1, 0, −1) mostly, then along y.
     let centres = (0..9).map(|k| k as f64).map(|k| [-k, 0.1 * (k - 4.0).powi(2), -k]);
     let axes = Projection::Principal.axes(&centres.map(|centre| pose(centre, [0.0; 3])).collect::<Vec<_>>());
@@ -87,10 +82,6 @@ fn the_principal_plane_shows_the_way() {
     assert!((axes.right - Vector3::new(half, 0.0, half)).norm() < 1e-9, "{axes:?}");
     assert!((axes.up - Vector3::y()).norm() < 1e-9);
     assert!((axes.project([-1.0, 2.0, -1.0])[0] + 2.0f64.sqrt()).abs() < 1e-9);
-}
-
-#[test]
-fn a_free_view_begins_as_the_cameras_look_and_goes_around() {
     // The cameras look along −z: a half turn about y puts x to the left in the world.
     let cameras = [0.0, 1.0].map(|x| pose([x, 0.0, 0.0], [0.0, 2.0 * FRAC_PI_2, 0.0]));
     let axes = Projection::Free.axes(&cameras);
@@ -129,7 +120,7 @@ fn paired(estimate: &[Pose], truth: &[Pose]) -> Pairing {
 }
 
 #[test]
-fn images_of_one_name_belong_together() {
+fn images_of_one_name_belong_together_and_the_last_number_of_a_name_is_its_time() {
     let pairing = paired(&named(&["c.png", "a.png", "x.png"]), &named(&["a.png", "b.png", "c.png"]));
     assert_eq!(pairing, Pairing { by: Association::Name, pairs: vec![(1, 0), (0, 2)] });
     // Folders and endings count only as long as some whole names agree.
@@ -142,32 +133,6 @@ fn images_of_one_name_belong_together() {
     assert_eq!(pairing.pairs, [(1, 2)]);
     let error = associate(&named(&["a.png"]), &named(&["b.png"]), None, 0.02).expect_err("none").to_string();
     assert!(error.contains("by name") && error.contains("'a.png'") && error.contains("--associate"), "{error}");
-}
-
-#[test]
-fn nearest_times_belong_together_once() {
-    let pairing = paired(&timed(&[0.011, 1.0, 1.004, 2.5]), &timed(&[0.0, 1.003, 3.0]));
-    assert_eq!(pairing, Pairing { by: Association::Time, pairs: vec![(0, 0), (2, 1)] });
-    // The numbers in the names of a model's images are times.
-    let model = [named_pose("i/image.0023.png", 2, None), named_pose("i/image.0030.png", 3, None)];
-    let pairing = paired(&model, &timed(&[16.0, 23.0, 30.0]));
-    assert_eq!(pairing, Pairing { by: Association::Time, pairs: vec![(0, 1), (1, 2)] });
-}
-
-#[test]
-fn places_count_where_times_say_nothing() {
-    let model = [named_pose("a.png", 0, None), named_pose("c.png", 2, None)];
-    let truth = timed(&[100.5, 101.5, 102.5]);
-    assert_eq!(paired(&model, &truth), Pairing { by: Association::Order, pairs: vec![(0, 0), (1, 2)] });
-    // An image beyond the truth shows that the order was not meant.
-    let model = [named_pose("a.png", 0, None), named_pose("z.png", 7, None)];
-    let error = associate(&model, &truth, None, 0.02).expect_err("unclear").to_string();
-    assert!(error.contains("0 and places in the sequence for 1 of the estimate's 2"), "{error}");
-    assert_eq!(associate(&model, &truth, Some(Association::Order), 0.02).expect("forced").pairs, [(0, 0)]);
-}
-
-#[test]
-fn the_last_number_of_a_name_is_its_time() {
     for (name, number) in [
         ("image.0023", Some(23.0)),
         ("1305031102.175304", Some(1305031102.175304)),
@@ -182,6 +147,24 @@ fn the_last_number_of_a_name_is_its_time() {
         let at = |time| associate(&image, &timed(&[time]), Some(Association::Time), 0.0).is_ok();
         assert_eq!((at(number.unwrap_or(0.0)), at(-1.0)), (number.is_some(), false), "{name}");
     }
+}
+
+#[test]
+fn nearest_times_belong_together_once_and_places_count_where_times_say_nothing() {
+    let pairing = paired(&timed(&[0.011, 1.0, 1.004, 2.5]), &timed(&[0.0, 1.003, 3.0]));
+    assert_eq!(pairing, Pairing { by: Association::Time, pairs: vec![(0, 0), (2, 1)] });
+    // The numbers in the names of a model's images are times.
+    let model = [named_pose("i/image.0023.png", 2, None), named_pose("i/image.0030.png", 3, None)];
+    let pairing = paired(&model, &timed(&[16.0, 23.0, 30.0]));
+    assert_eq!(pairing, Pairing { by: Association::Time, pairs: vec![(0, 1), (1, 2)] });
+    let model = [named_pose("a.png", 0, None), named_pose("c.png", 2, None)];
+    let truth = timed(&[100.5, 101.5, 102.5]);
+    assert_eq!(paired(&model, &truth), Pairing { by: Association::Order, pairs: vec![(0, 0), (1, 2)] });
+    // An image beyond the truth shows that the order was not meant.
+    let model = [named_pose("a.png", 0, None), named_pose("z.png", 7, None)];
+    let error = associate(&model, &truth, None, 0.02).expect_err("unclear").to_string();
+    assert!(error.contains("0 and places in the sequence for 1 of the estimate's 2"), "{error}");
+    assert_eq!(associate(&model, &truth, Some(Association::Order), 0.02).expect("forced").pairs, [(0, 0)]);
 }
 
 proptest! {
@@ -208,7 +191,7 @@ fn parse(text: &str) -> Result<Vec<Pose>> {
 }
 
 #[test]
-fn a_line_is_the_camera_in_the_world() {
+fn a_line_is_the_camera_in_the_world_by_time_or_name_and_others_are_named() {
     // A quarter turn about z: the camera's x axis points along the world's y.
     let text = "# a comment\n\n1.5 1 2 3 0 0 0.70710678 0.70710678\n2.5,0,0,0,0,0,0,1\r\n";
     let poses = parse(text).expect("two poses");
@@ -216,18 +199,10 @@ fn a_line_is_the_camera_in_the_world() {
     assert_eq!((poses[0].order, poses[1].order), (0, 1));
     let tip = poses[0].world_from_camera * Point3::new(1.0, 0.0, 0.0);
     assert!((tip.coords - Vector3::new(1.0, 3.0, 3.0)).norm() < 1e-7, "{tip}");
-}
-
-#[test]
-fn names_may_stand_in_place_of_times() {
     let poses = parse("a/0001.png 1 2 3 0 0 0 1\n").expect("one pose");
     assert_eq!((poses[0].label.as_str(), poses[0].time), ("a/0001.png", None));
     let error = parse("a.png 0 0 0 0 0 0 1\n3.5 0 0 0 0 0 0 1\n").expect_err("mixed").to_string();
     assert!(error.starts_with("line 2: ") && error.ends_with("truth.txt"), "{error}");
-}
-
-#[test]
-fn lines_that_are_no_poses_are_named() {
     for (line, words) in [
         ("1 2 3", "3 values"),
         ("1 0 0 0 0 0 0 1 7", "9 values"),
@@ -278,7 +253,6 @@ fn binary_files() -> (Vec<u8>, Vec<u8>) {
     (images, points)
 }
 
-/// The error of a model of these binary files.
 fn binary(home: &Path, images: &[u8], points: &[u8]) -> String {
     std::fs::write(home.join("images.bin"), images).expect("written");
     std::fs::write(home.join("points3D.bin"), points).expect("written");
@@ -296,7 +270,7 @@ fn written(folder: &Path, format: &str) {
 }
 
 #[test]
-fn text_and_binary_say_the_same() {
+fn text_and_binary_say_the_same_and_the_largest_part_of_a_reconstruction_is_taken() {
     let home = folder();
     for format in ["bin", "txt"] {
         let folder = home.join(format);
@@ -314,15 +288,10 @@ fn text_and_binary_say_the_same() {
         assert!(model.points.iter().all(|p| p.position[..2] == [1.0, 2.0]), "{:?}", model.points);
         // Its other images are not in the model.
         let seen: Vec<(usize, usize)> = model.points.iter().flat_map(|point| model.seen_by(point)).collect();
-        let of_binary = [(0, 0), (1, 0)];
-        assert_eq!(seen, if format == "bin" { &of_binary[..] } else { &[(1, 0), (0, 5), (1, 2), (0, 1)] });
+        assert_eq!(seen, if format == "bin" { &[(0, 0), (1, 0)][..] } else { &[(1, 0), (0, 5), (1, 2), (0, 1)] });
         let poses = model.poses();
         assert_eq!((poses[0].order, poses[0].label.as_str(), poses[0].time), (1, "first.png", None));
     }
-}
-
-#[test]
-fn the_largest_part_of_a_reconstruction_is_taken() {
     let home = folder();
     written(&home.join("1"), "txt");
     std::fs::create_dir(home.join("notes")).expect("made");
@@ -336,7 +305,7 @@ fn the_largest_part_of_a_reconstruction_is_taken() {
 }
 
 #[test]
-fn what_is_no_model_says_so() {
+fn what_is_no_model_says_so_and_counts_that_cannot_be_are_not_believed() {
     let home = folder();
     let words = |folder: &Path| read_sparse_model(folder).expect_err("no model").to_string();
     assert!(words(&home).contains("no sparse model"));
@@ -357,10 +326,6 @@ fn what_is_no_model_says_so() {
         std::fs::write(home.join(file), text).expect("written");
         says(words(&home), &[message, home.to_str().expect("plain")]);
     }
-}
-
-#[test]
-fn counts_that_cannot_be_are_not_believed() {
     let home = folder();
     let (mut images, mut points) = binary_files();
     points[..8].copy_from_slice(&(1u64 << 40).to_le_bytes());

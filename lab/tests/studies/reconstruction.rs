@@ -7,8 +7,7 @@
 use crate::prelude::*;
 use burstscope_core::dataset::BurstSide;
 use burstscope_core::matching::{Camera, CameraModel, match_pair};
-use burstscope_lab::synth::trajectory::world::nearest_point;
-use burstscope_lab::synth::{Light, Trajectory, TrajectoryParams};
+use burstscope_lab::synth::{Light, Trajectory, TrajectoryParams, trajectory::world::nearest_point};
 
 /// Largest distance of a right match from the true position of its point of the world, pixels.
 const RIGHT_PX: f64 = 4.0;
@@ -95,12 +94,8 @@ fn assert_burst_features_win(way: &Trajectory, slopes: SlopeGrid) {
 }
 
 #[test]
-fn past_a_dark_scene_sideways_burst_features_match_where_a_merge_does_not() {
+fn past_and_into_a_dark_scene_burst_features_match_where_a_merge_does_not() {
     assert_burst_features_win(&dark_way(Motion::OneD), SlopeGrid::line(-3.0..=0.0, 7));
-}
-
-#[test]
-fn into_a_dark_scene_burst_features_match_where_a_merge_does_not() {
     assert_burst_features_win(&dark_way(Motion::TwoD), SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7));
 }
 

@@ -8,7 +8,6 @@ use burstscope_lab::recover::report::planted_table;
 use burstscope_lab::recover::{Contrast, RecoverReport, RecoverStudy, Shape, Varied};
 use std::sync::Mutex;
 
-/// Frames of a camera's noise over an even background, with `discs` discs.
 fn chart(discs: usize, snr: f64) -> ChartParams {
     let rest = ChartParams { width: 320, height: 240, discs, radius: 5.0..=5.0001, ..ChartParams::default() };
     ChartParams { frames: 8, snr, max_slope: 2.0, ..rest }
@@ -27,7 +26,7 @@ fn run(study: &RecoverStudy, burst: &Burst) -> RecoverReport {
 }
 
 #[test]
-fn half_are_found_at_the_snr_that_noise_and_gate_say() {
+fn half_are_found_at_the_snr_that_noise_gate_and_step_say() {
     let (burst, _) = made(&chart(0, 0.5));
     for (shape, contrast) in [(Shape::Disc, Contrast::Bright), (Shape::Blob, Contrast::Dark)] {
         let study = RecoverStudy { search: search(SlopeGrid::line(-2.0..=2.0, 9)), shape, ..RecoverStudy::default() };
@@ -41,39 +40,6 @@ fn half_are_found_at_the_snr_that_noise_and_gate_say() {
         let [first, .., last] = report.over_snr[..] else { panic!("levels") };
         assert!(first.share() < 0.3 && last.share() > 0.85, "{first:?} {last:?}");
     }
-}
-
-#[test]
-fn planted_discs_are_found_as_those_of_a_chart() {
-    // The same camera, exposure, radius, slopes and search: once the discs are part of the chart, once they are
-    // planted.
-    let with_discs = chart(9, 0.27);
-    let grid = SlopeGrid::line(-2.0..=2.0, 9);
-    let study = ChartStudy {
-        chart: with_discs.clone(),
-        snrs: vec![0.27],
-        seeds: 12,
-        methods: vec![BurstMethod::Buff1d],
-        searches: Searches::of_charts(search(grid).at_given(), Some(grid)),
-        ..ChartStudy::default()
-    };
-    let counted = study.run(&quiet()).expect("a report");
-    let of_chart = &counted.rows[0].methods[0].default_true_positives;
-    let (share, error) = (of_chart.mean / 9.0, of_chart.standard_error.expect("several") / 9.0);
-    let (burst, _) = made(&ChartParams { discs: 0, ..with_discs });
-    let study = RecoverStudy { search: search(grid), snrs: vec![0.27], at_snr: Some(0.27), ..RecoverStudy::default() };
-    let study = RecoverStudy { copies: 12, per_copy: Some(27), inside: true, ..study };
-    let report = run(&study, &burst);
-    let planted = report.over_snr[0];
-    let p = planted.share();
-    let error = error.hypot((p * (1.0 - p) / planted.planted as f64).sqrt()).max(0.03);
-    assert!((p - share).abs() < 3.0 * error, "planted {planted:?}, of charts {share}, error {error}");
-    assert!((0.2..0.98).contains(&share), "neither all nor none, so that the comparison says something: {share}");
-}
-
-#[test]
-fn half_way_between_slopes_the_loss_is_that_of_the_step() {
-    let (burst, _) = made(&chart(0, 0.5));
     // Outermost frames are misplaced by 3.5 · 1.5 px half-way between: a disc of 4 px loses much.
     // At the SNR at which nearly all of those on the grid are found.
     let grid = SlopeGrid::line(-3.0..=3.0, 3);
@@ -92,9 +58,33 @@ fn half_way_between_slopes_the_loss_is_that_of_the_step() {
     let (on, between) = (at(3.0), at(1.5));
     // Expected is a loss of nearly a half. What is found is more: the search takes the largest of many noisy values.
     assert!(on.share() - between.share() > 0.2, "{on:?} {between:?}");
-    for share in [on, between] {
-        assert!((share.share() - share.expected).abs() < 0.25, "{share:?}");
-    }
+    [on, between].into_iter().for_each(|share| assert!((share.share() - share.expected).abs() < 0.25, "{share:?}"));
+}
+
+#[test]
+fn planted_discs_are_found_as_those_of_a_chart() {
+    // The same camera, exposure, radius, slopes and search: once the discs are part of the chart, once they are
+    // planted.
+    let with_discs = chart(9, 0.27);
+    let grid = SlopeGrid::line(-2.0..=2.0, 9);
+    let study = ChartStudy {
+        chart: with_discs.clone(),
+        snrs: vec![0.27],
+        seeds: 12,
+        methods: vec![BurstMethod::Buff1d],
+        searches: Searches::of_charts(search(grid).at_given(), Some(grid)),
+        ..ChartStudy::default()
+    };
+    let of_chart = &study.run(&quiet()).expect("a report").rows[0].methods[0].default_true_positives;
+    let (share, error) = (of_chart.mean / 9.0, of_chart.standard_error.expect("several") / 9.0);
+    let (burst, _) = made(&ChartParams { discs: 0, ..with_discs });
+    let study = RecoverStudy { search: search(grid), snrs: vec![0.27], at_snr: Some(0.27), ..RecoverStudy::default() };
+    let study = RecoverStudy { copies: 12, per_copy: Some(27), inside: true, ..study };
+    let planted = run(&study, &burst).over_snr[0];
+    let p = planted.share();
+    let error = error.hypot((p * (1.0 - p) / planted.planted as f64).sqrt()).max(0.03);
+    assert!((p - share).abs() < 3.0 * error, "planted {planted:?}, of charts {share}, error {error}");
+    assert!((0.2..0.98).contains(&share), "neither all nor none, so that the comparison says something: {share}");
 }
 
 #[test]
@@ -140,7 +130,7 @@ fn each_missed_thing_has_a_fate_and_the_map_shows_where_the_noise_is() {
 }
 
 #[test]
-fn the_same_seeds_give_the_same_things_and_a_copy_can_be_made_again() {
+fn the_same_seeds_give_the_same_things_and_nonsense_is_named() {
     let (burst, _) = made(&chart(6, 0.6));
     let study = RecoverStudy { search: search(SlopeGrid::line(-2.0..=2.0, 5)), copies: 2, ..RecoverStudy::default() };
     let (one, two) = (on_threads(1, || run(&study, &burst)), on_threads(3, || run(&study, &burst)));
@@ -158,10 +148,6 @@ fn the_same_seeds_give_the_same_things_and_a_copy_can_be_made_again() {
     let (_, truth) = made(&chart(6, 0.6));
     assert!(truth.features.iter().filter(|disc| away(disc)).count() >= 5);
     assert!(one.planted.iter().any(|thing| thing.varied == Varied::Size));
-}
-
-#[test]
-fn nonsense_is_named_and_cancelling_ends_it() {
     let (burst, _) = made(&chart(0, 0.5));
     let good = || RecoverStudy { search: search(SlopeGrid::line(-2.0..=2.0, 3)), copies: 2, ..RecoverStudy::default() };
     for (study, start) in [

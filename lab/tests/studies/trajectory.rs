@@ -1,8 +1,7 @@
 //! Trajectories: pictures, poses and truth agree.
 
 use crate::prelude::*;
-use burstscope_lab::synth::paint::{Area, Sheet};
-use burstscope_lab::synth::trajectory::*;
+use burstscope_lab::synth::{paint::Area, paint::Sheet, trajectory::*};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 fn small() -> TrajectoryParams {
@@ -118,7 +117,7 @@ fn apparent_motion_follows_from_depth_and_reaches_the_largest_that_was_asked_for
 }
 
 #[test]
-fn the_wall_fills_every_frame_of_every_burst() {
+fn the_wall_fills_every_frame_and_a_seed_gives_the_same_bits_for_any_number_of_threads() {
     for motion in [Motion::OneD, Motion::TwoD] {
         let params = TrajectoryParams { motion, light: Light::Snr(f64::INFINITY), ..small() };
         let trajectory = made(&params);
@@ -130,10 +129,6 @@ fn the_wall_fills_every_frame_of_every_burst() {
             }
         }
     }
-}
-
-#[test]
-fn the_same_seed_gives_the_same_bits_for_any_number_of_threads() {
     let make = |threads: usize, seed: u64| {
         on_threads(threads, || {
             let trajectory = made(&TrajectoryParams { seed, ..small() });
@@ -240,7 +235,6 @@ fn known_rotations_turn_the_frames_of_a_shaken_camera_to_those_of_a_still_one() 
     // Edges without any blur lose by being sampled once more.
     assert!(left < 0.2 * as_taken && seen > 0.9, "{left} of {as_taken}, {seen} seen");
     assert!(by_lines.taken.iter().any(|said| said.contains("as rotations.txt says")), "{:?}", by_lines.taken);
-
     // The same orientations in other forms; with stamps also ten in a frame interval, begun before the first frame.
     let lists = |every: f64| {
         let (mut tum, mut euroc) = (String::new(), String::from("#timestamp,x,y,z,qw,qx,qy,qz,vx\n"));

@@ -7,11 +7,8 @@ use super::screenshots::{self, Stored};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// One line of the table.
 struct Count {
-    /// Subject that is counted.
     subject: &'static str,
-    /// Number found on the tree.
     found: usize,
     /// Largest number allowed; `None` where the number is only told.
     bound: Option<usize>,
@@ -106,14 +103,12 @@ fn pointing(source: &Source) -> Vec<String> {
     found
 }
 
-/// Lines of comments above 120 characters.
 fn long_comments(source: &Source) -> impl Iterator<Item = String> + '_ {
     let is_long = |line: &str| line.trim_start().starts_with("//") && line.chars().count() > 120;
     let numbered = source.text.lines().enumerate().filter(move |(_, line)| is_long(line));
     numbered.map(|(number, _)| format!("{}:{}", source.path.display(), number + 1))
 }
 
-/// Functions with a parameter of type `&mut Model`.
 fn takers(source: &Source) -> impl Iterator<Item = String> + '_ {
     source.code.match_indices(": &mut Model").map(|(at, _)| {
         let line = source.code[..at].lines().count();
@@ -232,7 +227,7 @@ fn what_rooms_are_given_never_rises_together() {
 }
 
 #[test]
-fn counts_stay_within_their_bounds() {
+fn counts_stay_within_their_bounds_and_late_subjects_are_counted_once_a_comment() {
     let counts = counts();
     for Count { subject, found, bound, .. } in &counts {
         let bound = bound.map(|bound| format!("at most {bound}")).unwrap_or_default();
@@ -242,10 +237,6 @@ fn counts_stay_within_their_bounds() {
         assert!(bound.is_none_or(|bound| found <= bound), "{found} {subject}: {}", which.join(", "));
     }
     assert!(files().len() > 200, "too few files were read to be all");
-}
-
-#[test]
-fn late_subjects_are_counted_once_a_comment() {
     let text = "/// What it is.\n/// What it is not.\nfn a() {}\n/// Width, px.\n/// What follows.\nfn b() {}\n//! The one that runs.\n";
     let source = Source { package: "src", path: "x.rs".into(), text: text.to_owned(), code: String::new() };
     assert_eq!(late_subjects(&source).collect::<Vec<_>>(), ["x.rs:1", "x.rs:7"]);

@@ -56,7 +56,6 @@ fn the_library_holds_no_window_and_no_command_line() {
     let commands = ["anyhow", "clap", "clap_builder", "clap_complete", "clap_mangen", "indicatif", "signal_hook"];
     let database = ["rusqlite", "libsqlite3_sys"];
     let has = |tree: &BTreeSet<String>, names: &[&str]| names.iter().any(|name| tree.contains(*name));
-
     let core = tree("burstscope-core", &["bags", "colmap", "raw"]);
     assert!(core.contains("burstscope_core") && core.contains("rayon"), "{core:?}");
     assert!(has(&core, &database) && core.contains("rawler"), "{core:?}");
@@ -64,7 +63,6 @@ fn the_library_holds_no_window_and_no_command_line() {
     let pure = tree("burstscope-core", &[]);
     assert!(!pure.contains("rawler"), "the library without features is under MIT or Apache-2.0 alone");
     assert!(!has(&pure, &database), "{pure:?}");
-
     // The program passes its features on.
     let none = tree("burstscope", &[]);
     assert!(!has(&none, &window) && !has(&none, &commands) && !has(&none, &database) && !none.contains("rawler"));

@@ -10,13 +10,11 @@ use std::path::{Path, PathBuf};
 
 const REFERENCE: &str = "docs/REFERENCE.md";
 
-/// Table of parameters, made from their records.
 fn table<P: Default>(records: &[Param<P>]) -> String {
     let rows: String = records.iter().map(Param::reference_row).collect();
     format!("| option | in the window | values | default | meaning |\n| --- | --- | --- | --- | --- |\n{rows}")
 }
 
-/// Table of the formats of files, made from their records.
 fn table_of_formats() -> String {
     let row = |of: burstscope::burst::FormatRecord| {
         let extensions: Vec<String> = of.extensions.iter().map(|extension| format!("`.{extension}`")).collect();
@@ -26,7 +24,6 @@ fn table_of_formats() -> String {
     format!("| format | taken as frames | say |\n| --- | --- | --- |\n{rows}")
 }
 
-/// Names of the formats, as a part of a sentence.
 fn list_of_formats() -> String {
     let names: Vec<&str> = burstscope::burst::file_formats().map(|of| of.name).collect();
     format!("{}\n", names.join(", "))
@@ -106,7 +103,6 @@ pub(super) fn targets(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Documents of the project, with their texts.
 pub fn documents() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let in_docs = fs::read_dir(root.join("docs")).expect("a folder").map(|entry| entry.expect("an entry").path());

@@ -13,7 +13,6 @@ const TARGET: &str = "x86_64-unknown-linux-gnu";
 const LIST: &str = "name | version | licence | source\n";
 const RULE: &str = "================================================================================";
 
-/// Package of others.
 struct Package {
     name: String,
     version: String,
@@ -27,7 +26,6 @@ impl Package {
         format!("{} {}", self.name, self.version)
     }
 
-    /// Texts about its licence, with the names of their files.
     fn texts(&self) -> Vec<(String, String)> {
         let mut texts = Vec::new();
         let files = |folder: &Path| {
@@ -173,7 +171,7 @@ fn the_notices_are_those_of_what_is_shipped() {
 }
 
 #[test]
-fn of_licences_to_choose_from_one_is_taken() {
+fn of_licences_to_choose_from_one_is_taken_and_holders_of_the_copyright_stand_above_a_shared_text() {
     for (expression, licences) in [
         ("MIT OR Apache-2.0", &["Apache-2.0"][..]),
         ("Apache-2.0/MIT", &["Apache-2.0"]),
@@ -184,10 +182,6 @@ fn of_licences_to_choose_from_one_is_taken() {
     ] {
         assert_eq!(taken(expression).into_iter().collect::<Vec<_>>(), licences, "{expression}");
     }
-}
-
-#[test]
-fn holders_of_the_copyright_stand_above_a_shared_text() {
     let mit = "The MIT License (MIT)\n\nCopyright (c) 2015 A\nCopyright (c) 2016 B\n\nPermission is hereby granted, free of charge, to";
     let shared = "Permission is hereby granted, free of charge, to";
     assert_eq!(holders(mit), ("Copyright (c) 2015 A; Copyright (c) 2016 B".to_owned(), shared));

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Finds the Rust files below `folder`.
 pub fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -59,7 +58,6 @@ pub fn rooms_used(code: &str) -> BTreeSet<String> {
     rooms
 }
 
-/// Source folders of the packages: the program, the library and the measuring bench.
 pub const PACKAGES: [&str; 3] = ["src", "core/src", "lab/src"];
 
 /// Rust files of the [`PACKAGES`], each with its path below its package's `src`. Of the top-level modules only `synth`
@@ -92,7 +90,6 @@ pub fn modules() -> BTreeMap<Vec<String>, String> {
     modules
 }
 
-/// Paths of a `use` tree, written out.
 pub fn paths_of(tree: &str, before: &[&str], into: &mut Vec<Vec<String>>) {
     let (mut depth, mut start) = (0, 0);
     let mut branches = Vec::new();

@@ -18,7 +18,7 @@ fn window() -> Vec<(String, String)> {
 
 /// A field of the document, a result and a field of the window cannot be taken for one another.
 #[test]
-fn no_room_is_read_as_if_it_were_another() {
+fn no_room_is_read_as_if_it_were_another_and_an_action_is_told_by_its_row() {
     let window = window();
     let wrappers: Vec<&str> =
         window.iter().filter(|(_, code)| code.contains("impl Deref")).map(|(name, _)| name.as_str()).collect();
@@ -28,11 +28,15 @@ fn no_room_is_read_as_if_it_were_another() {
             assert!(!code.contains(&format!("impl Deref for {whole} ")), "{name} reads through {whole}");
         }
     }
+    for name in ["apply/change.rs", "actions/when.rs"] {
+        let code = &window.iter().find(|(file, _)| file == name).expect("it is there").1;
+        assert!(!code.contains("ActionId::") && !code.contains("ActionId as"), "{name} names actions");
+    }
 }
 
 /// The document is values: nothing in it is computed, and nothing it is made of knows how answers come.
 #[test]
-fn the_document_imports_neither_results_nor_engine() {
+fn the_document_imports_neither_results_nor_engine_and_the_whole_is_written_in_one_room() {
     let mut files = 0;
     for (name, code) in window().iter().filter(|(name, _)| name.starts_with("document/") || name.starts_with("pane/")) {
         files += 1;
@@ -41,12 +45,6 @@ fn the_document_imports_neither_results_nor_engine() {
         }
     }
     assert!(files > 20, "{files} files were read: too few to be all");
-}
-
-/// One room writes. What is set and found is values with functions of their own; the whole of both has no methods, and
-/// is changed in `app/apply` alone, which nothing that is read knows.
-#[test]
-fn the_whole_is_written_in_one_room() {
     let window = window();
     for (name, code) in &window {
         assert!(!code.contains("impl Model"), "{name}: write a function of what is read (`Read`), or one of app/apply");
@@ -57,14 +55,4 @@ fn the_whole_is_written_in_one_room() {
         }
     }
     assert!(window.iter().any(|(name, code)| name == "apply/mod.rs" && code.contains("model: &mut Model")));
-}
-
-/// When an action is possible, whether it is on and what it does stand in its row, and nowhere by its name.
-#[test]
-fn an_action_is_told_by_its_row() {
-    let window = window();
-    for name in ["apply/change.rs", "actions/when.rs"] {
-        let code = &window.iter().find(|(file, _)| file == name).expect("it is there").1;
-        assert!(!code.contains("ActionId::") && !code.contains("ActionId as"), "{name} names actions");
-    }
 }

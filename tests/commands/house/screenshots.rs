@@ -5,11 +5,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A file in `screenshots/`.
 pub(super) struct Stored {
-    /// Path below `screenshots/`.
     pub path: PathBuf,
-    /// Length.
     pub bytes: u64,
 }
 
@@ -36,7 +33,6 @@ pub(super) fn stored() -> Vec<Stored> {
     stored.collect()
 }
 
-/// Bytes of all.
 pub(super) fn bytes(stored: &[Stored]) -> usize {
     stored.iter().map(|file| file.bytes as usize).sum()
 }

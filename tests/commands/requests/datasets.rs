@@ -19,7 +19,6 @@ fn nights(home: &Path) -> DatasetSource {
     DatasetSource::of_bursts(vec![home.join("nights")])
 }
 
-/// Opens the dataset in `home`, whose features are in `home/kept`.
 fn look(home: &Path, source: DatasetSource, params: DetectorParams) -> OpenDataset {
     let request = DatasetRequest::Open {
         source,
@@ -66,7 +65,6 @@ fn each_burst_is_told_of_and_what_is_finished_stays_finished() {
     }
     assert_eq!((done.iter().map(|(index, _)| *index).collect::<Vec<_>>(), failed), (vec![0, 2], vec![(1, true)]));
     assert!(done[0].1 >= 4 && done[0].1 == done[1].1, "{done:?}: both are the same chart");
-
     let again = look(&home, source.clone(), params());
     let counts: Vec<Option<usize>> = again.finished.iter().map(|f| f.as_ref().map(|f| f.features)).collect();
     assert_eq!(counts, [Some(done[0].1), None, Some(done[1].1)]);
@@ -74,7 +72,6 @@ fn each_burst_is_told_of_and_what_is_finished_stays_finished() {
     let other = look(&home, source, DetectorParams { levels: 3, ..params() });
     assert!(other.finished.iter().all(Option::is_none));
     assert_eq!(other.other_params, Some(params().into()));
-
     // The two finished bursts are matched; pairs with the broken one are left out.
     // So are those that are to look most alike: the broken one looks like none.
     for (pairs, without) in [(PairSelection::All, 2), (PairSelection::Near(1), 1)] {
@@ -135,10 +132,8 @@ fn an_export_to_a_new_folder_takes_the_features_that_are_kept() {
     let exported = |out, params| report(out, params).images.iter().map(|image| image.resumed).collect::<Vec<_>>();
     assert_eq!(exported("new", params()), [true, true], "the broken burst is left out");
     assert!(home.join("new/features/a.png.txt").is_file() && home.join("new/images/c.png").is_file());
-    // Features of other parameters are found anew; the dataset's own folder can be exported into too.
     assert_eq!(exported("other", DetectorParams { levels: 3, ..params() }), [false, false]);
     assert_eq!(exported("kept", params()), [true, true]);
-    // A camera beside the frames of a burst is its own.
     let (width, height) = image::image_dimensions(home.join("nights/c/frame_000.png")).expect("a picture");
     let text = format!("model = \"SIMPLE_PINHOLE\"\nwidth = {width}\nheight = {height}\nparams = [300, 60, 40]\n");
     let file = home.join("nights/c/camera.toml");

@@ -94,7 +94,7 @@ fn what_is_cancelled_on_its_way_ends_long_before_it_would_have_been_done() {
 }
 
 #[test]
-fn failures_say_what_is_wrong() {
+fn failures_say_what_is_wrong_and_the_time_left_follows_from_what_is_done() {
     let frame = PictureRequest::new(open(), PictureKind::Frame(4), params());
     assert_eq!(why(answer(frame)), "there is no frame 4; the burst has 4 frames");
     let wrong = DetectRequest { burst: open(), params: DetectorParams { levels: 0, ..params() }.into() };
@@ -112,10 +112,6 @@ fn failures_say_what_is_wrong() {
     let of = DetectionSource { burst: empty((32, 32), 3), ..source() };
     let cache = Arc::new(of.trail(&Monitor::default()).expect("valid"));
     assert!(why(answer(probe(of.burst.id, cache))).contains("nothing in this burst is an extremum"));
-}
-
-#[test]
-fn the_time_left_follows_from_what_is_done() {
     let left = |millis, fraction| burstscope::requests::time_left(Duration::from_millis(millis), fraction);
     assert_eq!(left(10_000, 0.5), Some(Duration::from_secs(10)));
     assert_eq!(left(1_000, 0.25), Some(Duration::from_secs(3)));

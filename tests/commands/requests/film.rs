@@ -4,18 +4,26 @@ use super::{answer, detected, open, params};
 use crate::support::*;
 use burstscope::detector::Detection;
 use burstscope::export::{Drawing, FigureShape};
-use burstscope::inspect::slopes::is_at_slope;
-use burstscope::inspect::words::slope_text;
+use burstscope::inspect::{slopes::is_at_slope, words::slope_text};
 use burstscope::requests::{Detected, Film, Sweep};
 use std::sync::Arc;
 
 #[test]
-fn sweeps_are_read_as_they_are_typed_and_others_are_refused() {
+fn sweeps_are_read_as_they_are_typed_and_a_step_shows_its_numbers() {
     assert_eq!("slope-u=-3:3:7".parse(), Ok(Sweep::SlopeU(-3.0, 3.0, 7)));
     for bad in ["", "slope-u", "slope-u=1:2", "slope-u=a:b:c", "slope-u=0:inf:3", "flip=1:2:3", "slope-u=0:1:0"] {
         assert!(bad.parse::<Sweep>().is_err_and(|why| why.contains("give")), "{bad}");
     }
     assert!("slope-v=0:1:9999".parse::<Sweep>().is_err_and(|why| why.contains("give 1 to 1000")));
+    let (burst, params, found) = (open(), params(), detected().detection);
+    let (sweep, slope) = (Sweep::SlopeU(-1.0, 1.0, 3), Slope::default());
+    let film = Film { burst, params, sweep, slope, detection: Some(found.clone()), max_side_px: 48 };
+    // Titles are broken to the width of the picture.
+    says(texts_of(&film).join(" "), &["slope −1 px/frame: ", "slope 1 px/frame: ", "% of full scale"]);
+    let crowded = Detection { features: vec![found.features[0]; 100], ..Detection::clone(&found) };
+    let slope = found.features[0].motion().0;
+    let film = Film { sweep: Sweep::SlopeU(slope.u, slope.u, 1), slope, detection: Some(Arc::new(crowded)), ..film };
+    says(texts_of(&film).join(" "), &[": 2 of 100 features"]);
 }
 
 /// Writes the film, and returns what `of` says of each drawing, in any order.
@@ -51,7 +59,6 @@ fn every_sweep_has_its_steps_in_pictures_of_one_size() {
     assert_eq!(slopes, [-2.0, -1.0, 0.0, 1.0, 2.0]);
 }
 
-/// Texts of all pictures of the film.
 fn texts_of(film: &Film) -> Vec<String> {
     let text = |shape: &FigureShape| match shape {
         FigureShape::Text { text, .. } => Some(text.clone()),
@@ -64,19 +71,6 @@ fn texts_of(film: &Film) -> Vec<String> {
 fn legend_of(film: &Film) -> BTreeSet<String> {
     let is_legend = |text: &String| text.ends_with(" px/frame") && !text.contains("slope ");
     texts_of(film).into_iter().filter(is_legend).collect()
-}
-
-#[test]
-fn a_step_shows_its_numbers_and_how_many_of_its_features_are_drawn() {
-    let (burst, params, found) = (open(), params(), detected().detection);
-    let (sweep, slope) = (Sweep::SlopeU(-1.0, 1.0, 3), Slope::default());
-    let film = Film { burst, params, sweep, slope, detection: Some(found.clone()), max_side_px: 48 };
-    // Titles are broken to the width of the picture.
-    says(texts_of(&film).join(" "), &["slope −1 px/frame: ", "slope 1 px/frame: ", "% of full scale"]);
-    let crowded = Detection { features: vec![found.features[0]; 100], ..Detection::clone(&found) };
-    let slope = found.features[0].motion().0;
-    let film = Film { sweep: Sweep::SlopeU(slope.u, slope.u, 1), slope, detection: Some(Arc::new(crowded)), ..film };
-    says(texts_of(&film).join(" "), &[": 2 of 100 features"]);
 }
 
 #[test]

@@ -9,7 +9,6 @@ use crate::support::*;
 use burstscope::requests::{Detected, DetectionSource};
 
 fn chart(seed: u64) -> ChartParams {
-    // Small enough to fit with every seed.
     let radius = 3.0..=6.0;
     ChartParams { width: 96, height: 72, frames: 4, discs: 4, radius, snr: 20.0, seed, ..ChartParams::default() }
 }

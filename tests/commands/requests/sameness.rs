@@ -54,35 +54,42 @@ fn a_picture_is_decided_by_the_parameters_that_it_is_made_with_and_by_no_others(
 }
 
 #[test]
-fn a_picture_is_decided_by_its_slope_where_it_has_one() {
+fn a_picture_is_decided_by_its_slope_its_opening_and_as_a_difference_by_the_first() {
     let differ = [false, true, true, false, true, true, false];
     for ((still, moving), differs) in kinds(STILL).into_iter().zip(kinds(Slope::new(0.5, 0.0))).zip(differ) {
         assert_eq!(picture(still, params()) != picture(moving, params()), differs, "{still:?}");
     }
     let stack = |u| picture(PictureKind::Stack { slope: Slope::new(u, 0.0) }, params());
     assert!(stack(0.0) == stack(-0.0), "minus zero is zero");
-}
-
-#[test]
-fn the_pictures_of_two_openings_and_differences_are_others() {
     let stack = picture(PictureKind::Stack { slope: STILL }, params());
     assert!(stack != PictureRequest::new(empty((96, 72), 4), stack.kind, params()));
     let frame = picture(PictureKind::Frame(0), params());
     let difference = stack.clone().less(&frame);
     assert!(difference != stack && difference != frame.clone().less(&stack));
     assert!(difference.alone() == stack && difference == stack.clone().less(&frame));
-    // Of a difference that is subtracted only the first picture counts.
     assert!(stack.clone().less(&frame.less(&stack)) == difference);
+    let stack = PictureRequest::new(open(), PictureKind::Stack { slope: Slope::default() }, params());
+    let frame = PictureRequest::new(open(), PictureKind::Frame(0), params());
+    let difference = answer(stack.clone().less(&frame)).expect("pictures");
+    let (a, b) = (answer(stack).expect("a picture"), &open().burst.frames[0]);
+    let expected = |at: usize| a.plane.data()[at] - b.data()[at];
+    assert!(difference.plane.data().iter().enumerate().all(|(at, x)| (x - expected(at)).abs() < 1e-6));
+    // The octave's pixels are twice as large: the frame is taken at every second place.
+    let dog = PictureKind::Dog { octave: 1, level: 1, slope: Slope::default() };
+    let coarse = answer(PictureRequest::new(open(), dog, params()).less(&frame)).expect("pictures");
+    assert_eq!(coarse.plane.size(), (48, 36));
+    assert_eq!(coarse.request.minus().map(|minus| minus.kind), Some(PictureKind::Frame(0)));
 }
 
 #[test]
-fn features_found_anew_are_others_and_so_is_a_trail() {
+fn features_found_anew_trails_and_comparisons_with_another_reference_are_others() {
     let (a, b) = (detected().detection, Arc::new((*detected().detection).clone()));
     let bursts = [(open(), params()), (open(), params())];
     let request = MatchRequest { a: a.clone(), b: b.clone(), bursts, params: MatchParams::default() };
     assert!(request == request.clone() && request != MatchRequest { a: b, ..request.clone() });
-    let params = MatchParams { ratio: 0.5, ..MatchParams::default() };
-    assert!(request != MatchRequest { params, ..request.clone() });
+    assert!(
+        request != MatchRequest { params: MatchParams { ratio: 0.5, ..MatchParams::default() }, ..request.clone() }
+    );
     let made = || Arc::new(source().trail(&Monitor::default()).expect("valid"));
     let ask = |cache: &Arc<ProbeCache>, near_sigma| {
         let traced = Traced { burst: open().id, cache: cache.clone() };
@@ -91,10 +98,6 @@ fn features_found_anew_are_others_and_so_is_a_trail() {
     let cache = made();
     assert!(ask(&cache, None) == ask(&cache, None));
     assert!(ask(&cache, None) != ask(&cache, Some(2.0)) && ask(&cache, None) != ask(&made(), None));
-}
-
-#[test]
-fn a_comparison_is_of_a_detection_with_one_reference() {
     let (detection, burst) = (detected().detection, open());
     let with = |with| ComparisonRequest { detection: detection.clone(), with };
     let earlier = |burst, detection| with(ReferenceSource::Earlier { burst, asked: params().into(), detection });
@@ -108,19 +111,4 @@ fn a_comparison_is_of_a_detection_with_one_reference() {
     assert!(truth(params()) != file("a.csv"));
     let of_other = ComparisonRequest { detection: Arc::new((*detection).clone()), ..file("a.csv") };
     assert!(file("a.csv") != of_other);
-}
-
-#[test]
-fn a_difference_is_of_the_pixels_of_the_first() {
-    let stack = PictureRequest::new(open(), PictureKind::Stack { slope: Slope::default() }, params());
-    let frame = PictureRequest::new(open(), PictureKind::Frame(0), params());
-    let difference = answer(stack.clone().less(&frame)).expect("pictures");
-    let (a, b) = (answer(stack).expect("a picture"), &open().burst.frames[0]);
-    let expected = |at: usize| a.plane.data()[at] - b.data()[at];
-    assert!(difference.plane.data().iter().enumerate().all(|(at, x)| (x - expected(at)).abs() < 1e-6));
-    // The octave's pixels are twice as large: the frame is taken at every second place.
-    let dog = PictureKind::Dog { octave: 1, level: 1, slope: Slope::default() };
-    let coarse = answer(PictureRequest::new(open(), dog, params()).less(&frame)).expect("pictures");
-    assert_eq!(coarse.plane.size(), (48, 36));
-    assert_eq!(coarse.request.minus().map(|minus| minus.kind), Some(PictureKind::Frame(0)));
 }

@@ -6,8 +6,7 @@
 //! --include-ignored`.
 
 use proc_macro::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
-use std::path::PathBuf;
-use std::process::Command;
+use std::{path::PathBuf, process::Command};
 
 /// Ignores the test where one of the named files or folders of the real input is missing.
 ///

@@ -3,8 +3,7 @@
 
 use super::published::{as_published, demo_1d, numbers, open};
 use crate::prelude::*;
-use burstscope_core::detector::scale_space::SIGMA_BASE;
-use burstscope_core::detector::stack::motion_stack;
+use burstscope_core::detector::{scale_space::SIGMA_BASE, stack::motion_stack};
 use burstscope_core::plane::blur::{GaussianKernel, gaussian_blur};
 use ndarray::{Array3, Array4, Axis};
 

@@ -4,7 +4,6 @@
 use super::published::as_published;
 use crate::prelude::*;
 
-/// A feature of VLFeat, in our units.
 struct Theirs {
     u: f32,
     v: f32,
@@ -45,12 +44,10 @@ fn picture(width: usize, height: usize, seed: u64) -> Burst {
     Burst::from_planes("picture", vec![Plane::from_fn(width, height, |u, v| eight_bit(frame.at(u, v)))])
 }
 
-/// Whether two features agree in position and scale.
 fn is_there(theirs: &Theirs, ours: &Feature) -> bool {
     (theirs.u - ours.u).hypot(theirs.v - ours.v) <= 0.05 && (theirs.sigma / ours.sigma - 1.0).abs() <= 0.01
 }
 
-/// Whether two features agree in position, scale and orientation.
 fn agree(theirs: &Theirs, ours: &Feature) -> bool {
     let turn = (theirs.orientation - ours.orientation).rem_euclid(std::f32::consts::TAU);
     is_there(theirs, ours) && turn.min(std::f32::consts::TAU - turn) <= 0.03
@@ -96,14 +93,10 @@ fn check(name: &str, burst: &Burst, first_octave: i32) {
 }
 
 #[test]
-fn vlfeat_on_a_scene() {
+fn vlfeat_on_two_scenes() {
     let scene = picture(320, 240, 20);
     check("scene", &scene, 0);
     check("scene", &scene, -1);
-}
-
-#[test]
-fn vlfeat_on_another_scene() {
     let fields = picture(300, 260, 33);
     check("fields", &fields, 0);
     check("fields", &fields, -1);

@@ -2,7 +2,6 @@
 
 use crate::prelude::*;
 
-/// Opens the burst of `paths`.
 pub fn open(paths: &[PathBuf]) -> Burst {
     Burst::open_with(paths, &Default::default(), &quiet()).expect("the published input opens")
 }
@@ -13,7 +12,6 @@ pub fn demo_1d() -> Burst {
     open(&["5.png", "1.png", "2.png", "4.png", "3.png"].map(|name| folder.join(name)))
 }
 
-/// The numbers of a line.
 pub fn numbers(line: &str, separator: impl Fn(char) -> bool) -> Vec<f32> {
     line.split(separator).filter(|s| !s.is_empty()).map(|s| s.parse().expect("a number")).collect()
 }

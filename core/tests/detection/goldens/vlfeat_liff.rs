@@ -2,8 +2,7 @@
 
 use super::published::{demo_1d, numbers, open};
 use crate::prelude::*;
-use burstscope_core::detector::describe::descriptor::to_vlfeat_order;
-use burstscope_core::detector::stack::motion_stack;
+use burstscope_core::detector::{describe::descriptor::to_vlfeat_order, stack::motion_stack};
 use ndarray::{Array2, Array3};
 use std::io::Read;
 
@@ -35,7 +34,6 @@ fn frames_of(detection: &Detection) -> Vec<Frame> {
     detection.features.iter().map(frame).collect()
 }
 
-/// Result of a comparison.
 struct Agreement {
     missed: Vec<Frame>,
     extra: Vec<Frame>,
@@ -115,7 +113,6 @@ fn check_vlfeat(name: &str, image: &str, first_octave: i32, peak_of_255: f32, mi
         .collect();
     let agreement = Agreement::of(&theirs, &frames_of(&ours));
     agreement.check(name, missed, extra);
-
     let mut text = String::new();
     let file = fs::File::open(golden.join(format!("{name}.descr.gz"))).expect("the descriptors are there");
     flate2::read::GzDecoder::new(file).read_to_string(&mut text).expect("gzip");

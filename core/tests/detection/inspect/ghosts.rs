@@ -72,7 +72,7 @@ fn blobs_of_two_crossing_motions_are_real_and_what_lies_between_their_slopes_is_
 }
 
 #[test]
-fn the_probe_suspects_a_ghost_as_the_table_does() {
+fn the_probe_suspects_a_ghost_as_the_table_does_and_a_periodic_texture_has_aliases() {
     let (burst, _) = crossing();
     let open = cache(&burst, &params());
     let judged = judge(&open);
@@ -83,10 +83,6 @@ fn the_probe_suspects_a_ghost_as_the_table_does() {
     let ghost = probed.suspicions.iter().find(|suspicion| suspicion.kind == SuspicionKind::Ghost).expect("suspected");
     assert_eq!(Some(ghost.number), judged[index].coherence);
     assert!(ghost.evidence.contains("crosses its path") && ghost.change.is_none(), "{ghost:?}");
-}
-
-#[test]
-fn a_periodic_texture_has_aliases() {
     let example = Example::Aliasing;
     let cache = cache(&example.burst(), &DetectorParams { slopes: slopes_of(example), ..DetectorParams::default() });
     let judged = judge(&cache);

@@ -14,7 +14,6 @@ use burstscope_core::synth::examples::{Example, disc_place};
 use burstscope_lab::synth::{
     ChartParams, SceneParams, demo_burst, later_demo_burst, synth_chart, synth_scene, write_burst,
 };
-use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 pub fn scene(seed: u64, size: (usize, usize), frames: usize, snr: f64) -> Burst {
@@ -29,9 +28,7 @@ fn samples(trail: &Trail, octave: i32) -> (Region, Vec<Sample>) {
     let mut samples = Vec::new();
     for slope_index in 0..trail.params().used_slopes().len() {
         for level in 0..trail.space().levels as i32 {
-            for y in 0..height {
-                samples.extend((0..width).map(|x| Sample { octave, level, slope_index, x, y }));
-            }
+            (0..height).for_each(|y| samples.extend((0..width).map(|x| Sample { octave, level, slope_index, x, y })));
         }
     }
     (region, samples)
@@ -203,7 +200,7 @@ fn params() -> DetectorParams {
 }
 
 #[test]
-fn a_higher_gate_only_loses_and_a_shorter_list_too() {
+fn a_higher_gate_only_loses_and_the_faint_discs_of_the_example_are_lost_to_it() {
     let (burst, _) = chart();
     let with = |gate: f32| {
         let params = DetectorParams { noise_gate: NoiseGate::Factor(gate), ..params() };
@@ -219,6 +216,21 @@ fn a_higher_gate_only_loses_and_a_shorter_list_too() {
     assert!(back.gained.len().abs_diff(changes.lost.len()) <= 2 && back.lost.len().abs_diff(changes.gained.len()) <= 2);
     // A few are matched with another one that is nearer now; the others have not moved.
     assert!(changes.moved().count() * 20 <= changes.same.len(), "{}", changes.summary());
+    let example = Example::LowContrast;
+    let params = DetectorParams { slopes: slopes_of(example), ..DetectorParams::default() };
+    let cache = cache(&example.burst(), &params);
+    let found = |index: usize| {
+        let [u, v] = disc_place(index);
+        cache.detection().features.iter().any(|f| (f.u - u).hypot(f.v - v) < 4.0 && (2.5..8.0).contains(&f.sigma))
+    };
+    assert!((0..3).all(found), "the bright ones are found");
+    assert!(!found(7) && !found(8), "the faint ones are not");
+    let probe =
+        burstscope_core::inspect::place::probe(&cache, example.place(), &Default::default(), &quiet()).expect("inside");
+    assert!(!probe.fates.is_empty());
+    let gated =
+        |f: &&burstscope_core::inspect::place::Fate| f.first_failed == Some(Test::NoiseGate) && f.remedy.is_some();
+    assert!(probe.fates.iter().any(|f| gated(&f)), "{}", probe.summary);
 }
 
 #[test]
@@ -226,8 +238,7 @@ fn found_missed_repeated_and_false_add_up_and_each_miss_has_a_reason() {
     let (burst, truth) = chart();
     // A gate that rejects some of the discs, and no suppression of repeated features.
     let params = DetectorParams { noise_gate: NoiseGate::Factor(7.0), distinct: Distinct::Off, ..params() };
-    let cache = cache(&burst, &params);
-    let against = against_truth(&cache, &truth, &quiet()).expect("not cancelled");
+    let against = against_truth(&cache(&burst, &params), &truth, &quiet()).expect("not cancelled");
     let AgainstTruth { found, at_wrong_motion, missed, repeated, elsewhere, is_whole_truth } = &against;
     assert_eq!(found.len() + at_wrong_motion.len() + missed.len(), truth.features.len());
     assert!(!found.is_empty() && !missed.is_empty() && !repeated.is_empty(), "{}", against.summary());
@@ -251,25 +262,6 @@ fn found_missed_repeated_and_false_add_up_and_each_miss_has_a_reason() {
 }
 
 #[test]
-fn the_faint_discs_of_the_example_are_lost_to_the_gate() {
-    let example = Example::LowContrast;
-    let params = DetectorParams { slopes: slopes_of(example), ..DetectorParams::default() };
-    let cache = cache(&example.burst(), &params);
-    let found = |index: usize| {
-        let [u, v] = disc_place(index);
-        cache.detection().features.iter().any(|f| (f.u - u).hypot(f.v - v) < 4.0 && (2.5..8.0).contains(&f.sigma))
-    };
-    assert!((0..3).all(found), "the bright ones are found");
-    assert!(!found(7) && !found(8), "the faint ones are not");
-    let probe =
-        burstscope_core::inspect::place::probe(&cache, example.place(), &Default::default(), &quiet()).expect("inside");
-    assert!(!probe.fates.is_empty());
-    let gated =
-        |f: &&burstscope_core::inspect::place::Fate| f.first_failed == Some(Test::NoiseGate) && f.remedy.is_some();
-    assert!(probe.fates.iter().any(|f| gated(&f)), "{}", probe.summary);
-}
-
-#[test]
 fn the_truth_beside_a_burst_is_found_and_a_wrong_one_refused() {
     let home = folder();
     let (burst, truth) = chart();
@@ -280,8 +272,7 @@ fn the_truth_beside_a_burst_is_found_and_a_wrong_one_refused() {
     let read = truth_of(&opened).expect("sound").expect("there");
     assert_eq!((read.width, read.seed, read.features.len()), (truth.width, truth.seed, truth.features.len()));
     assert!(read.features.iter().zip(&truth.features).all(|(a, b)| (a.u - b.u).abs() < 1e-9 && a.id == b.id));
-    let elsewhere = Burst { sources: vec![home.to_path_buf()], ..opened.clone() };
-    assert_eq!(truth_of(&elsewhere), Ok(None));
+    assert_eq!(truth_of(&Burst { sources: vec![home.to_path_buf()], ..opened.clone() }), Ok(None));
     assert!(truth_of(&demo_burst()).expect("known").is_some());
     assert!(truth_of(&later_demo_burst()).expect("known").is_none());
     let small = burstscope_core::synth::Truth { width: 9, ..truth };
@@ -315,8 +306,7 @@ fn every_feature_was_lost_somewhere_or_not_at_all() {
         let counts = losses.counts(&quiet()).expect("not cancelled");
         let of = |lost: Lost| counts[lost as usize].1;
         assert_eq!(counts.iter().map(|c| c.1).sum::<usize>(), a.detection().features.len());
-        let inliers = result.counts.inliers.unwrap_or(result.counts.putative);
-        assert_eq!(of(Lost::Not), inliers);
+        assert_eq!(of(Lost::Not), result.counts.inliers.unwrap_or(result.counts.putative));
         // By their motions some lose their match to others, or to what they would have to move like.
         assert_eq!(of(Lost::Not) + of(Lost::Geometry), result.counts.putative);
         let gave_way = of(Lost::Motion);

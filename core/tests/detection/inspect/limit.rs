@@ -31,7 +31,7 @@ fn share(detection: &Detection) -> (f64, usize) {
 }
 
 #[test]
-fn inside_and_at_the_end_of_the_range_hardly_any_feature_is_at_the_limit() {
+fn hardly_any_feature_is_at_the_limit_inside_the_range_and_many_half_a_step_beyond_it() {
     for (grid, slopes) in [
         (line(), vec![(0.3, 0.0), (0.9, 0.0), (1.0, 0.0), (-1.0, 0.0), (1.2, 0.0)]),
         (plane(), vec![(0.3, -0.4), (1.0, 0.2), (1.0, -1.0)]),
@@ -44,10 +44,6 @@ fn inside_and_at_the_end_of_the_range_hardly_any_feature_is_at_the_limit() {
     // Most features of a motion at the end lie on the rim nevertheless.
     let detection = found(&uniform(Slope::new(1.0, 0.0), FRAMES), line());
     assert!(2 * share(&detection).1 > detection.features.len() / 2, "{}", share(&detection).1);
-}
-
-#[test]
-fn half_a_step_and_more_beyond_the_range_many_features_are_at_the_limit() {
     for (grid, slopes) in [
         (line(), vec![(1.4, 0.0), (1.6, 0.0), (-2.4, 0.0), (3.0, 0.0)]),
         (plane(), vec![(1.7, 0.1), (0.0, -1.7), (1.6, -1.6)]),
@@ -66,7 +62,7 @@ fn half_a_step_and_more_beyond_the_range_many_features_are_at_the_limit() {
 }
 
 #[test]
-fn noise_on_the_rim_is_not_at_the_limit() {
+fn noise_on_the_rim_is_not_at_the_limit_and_a_still_camera_is_told_that_one_slope_is_enough() {
     let mut noise = Stream::new(3, 7);
     let frames = (0..FRAMES).map(|_| Plane::from_fn(320, 240, |_, _| 0.5 + 0.1 * noise.normal() as f32)).collect();
     let noise = Burst::from_planes("noise", frames);
@@ -75,8 +71,16 @@ fn noise_on_the_rim_is_not_at_the_limit() {
     let on_rim = detection.features.iter().filter(|f| f.is_on_rim(&params)).count();
     let at_limit = detection.features.iter().filter(|f| f.at_slope_limit).count();
     assert!(on_rim >= 20 && 20 * at_limit <= on_rim, "{at_limit} of {on_rim} on the rim");
-    let judged = judgement(&detection, &params, None, &noise, &quiet()).expect("not cancelled").expect("slopes");
-    assert_eq!(judged.advice, None, "{}", judged.sentence);
+    let told = judgement(&detection, &params, None, &noise, &quiet()).expect("not cancelled").expect("slopes");
+    assert_eq!(told.advice, None, "{}", told.sentence);
+    let burst = uniform(Slope::default(), FRAMES);
+    for grid in [SlopeGrid::line(-2.0..=2.0, 9), SlopeGrid::line(-0.5..=0.5, 2), plane()] {
+        let spectrum = asked(&burst, grid);
+        let (judgement, mended) = judged(&spectrum);
+        assert!(judgement.sentence.contains("one slope, 0, is enough"), "{}", judgement.sentence);
+        assert_eq!((mended.len(), mended.slope(0)), (1, Slope::default()));
+    }
+    assert_eq!(judged(&asked(&burst, SlopeGrid::single(Slope::default()))).0.advice, None);
 }
 
 /// The judgement of a spectrum, and the slopes after its advice was applied.
@@ -110,33 +114,16 @@ fn one_set_of_changes_mends_both_axes_direction_range_and_step() {
 }
 
 #[test]
-fn a_still_camera_is_told_that_one_slope_is_enough() {
-    let burst = uniform(Slope::default(), FRAMES);
-    for grid in [SlopeGrid::line(-2.0..=2.0, 9), SlopeGrid::line(-0.5..=0.5, 2), plane()] {
-        let spectrum = asked(&burst, grid);
-        let (judgement, mended) = judged(&spectrum);
-        assert!(judgement.sentence.contains("one slope, 0, is enough"), "{}", judgement.sentence);
-        assert_eq!((mended.len(), mended.slope(0)), (1, Slope::default()));
-    }
-    let spectrum = asked(&burst, SlopeGrid::single(Slope::default()));
-    assert_eq!(judged(&spectrum).0.advice, None);
-}
-
-#[test]
-fn slopes_that_were_found_fit_and_the_text_says_so() {
+fn slopes_that_were_found_fit_and_features_decide_where_frames_were_not_examined() {
     let demo = demo_burst();
-    let found = find_slopes(&demo, &DetectorParams::default(), None, &quiet()).expect("not cancelled");
-    let spectrum = asked(&demo, found.grid);
-    let (judgement, same) = judged(&spectrum);
-    assert_eq!((&judgement.advice, same), (&None, found.grid));
-    assert!(judgement.sentence.starts_with("the slopes fit the burst; "), "{}", judgement.sentence);
+    let grid = find_slopes(&demo, &DetectorParams::default(), None, &quiet()).expect("not cancelled").grid;
+    let spectrum = asked(&demo, grid);
+    let (told, same) = judged(&spectrum);
+    assert_eq!((&told.advice, same), (&None, grid));
+    assert!(told.sentence.starts_with("the slopes fit the burst; "), "{}", told.sentence);
     assert!(50 * spectrum.at_limit < spectrum.features, "{} of {}", spectrum.at_limit, spectrum.features);
     assert_eq!(spectrum.bars.iter().map(|bar| bar.at_limit).sum::<usize>(), spectrum.at_limit);
-    assert!(spectrum_text(&spectrum, "demo").contains(&judgement.sentence));
-}
-
-#[test]
-fn features_decide_where_the_frames_were_not_examined() {
+    assert!(spectrum_text(&spectrum, "demo").contains(&told.sentence));
     let burst = uniform(Slope::new(1.8, 0.0), FRAMES);
     let params = DetectorParams { slopes: line(), octaves: 2, ..DetectorParams::default() };
     let detection = found(&burst, line());

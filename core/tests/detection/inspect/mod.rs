@@ -5,5 +5,5 @@ mod ghosts;
 mod law;
 mod limit;
 mod places;
-mod probing;
+pub mod probing;
 mod slopes;

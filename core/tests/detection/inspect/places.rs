@@ -4,10 +4,9 @@
 use super::probing::{blobs, cache};
 use crate::prelude::*;
 use burstscope_core::detector::coherence::Shape;
-use burstscope_core::inspect::place::{Cause, CauseKind, PlaceMotion, Probe, ProbeSubject};
+use burstscope_core::inspect::place::{Cause, CauseKind, Fate, PlaceMotion, Probe, ProbeSubject};
 use burstscope_core::inspect::result::{against_truth, truth_of};
-use burstscope_core::synth::Camera;
-use burstscope_core::synth::chart::draw_disc;
+use burstscope_core::synth::{Camera, chart::draw_disc};
 
 /// Stars of the demo's sky, which moves by 0.95 px/frame.
 const STARS: [[f32; 2]; 5] = [[159.9, 23.6], [238.0, 36.0], [23.6, 30.2], [139.6, 103.8], [390.0, 60.0]];
@@ -67,10 +66,9 @@ fn assert_too_small(cache: &ProbeCache, burst: &Burst, places: &[[f32; 2]], moti
             assert!(apart(reason.slope, motion) < 0.35, "{place:?} {reason:?}");
             let (sigma, snr) = reason.sigma_and_snr.unwrap_or_else(|| panic!("{place:?} {in_view:?}: {reason:?}"));
             assert!((0.9..1.7).contains(&sigma) && snr > 5.0, "{place:?} {reason:?}");
-            for says in ["too small for the smallest scale", "first octave −1 finds it", "about 4 times as long"] {
-                assert!(reason.sentence.contains(says), "{}", reason.sentence);
-            }
-            assert!(probe.summary.contains("too small"), "{}", probe.summary);
+            let words = ["too small for the smallest scale", "first octave −1 finds it", "about 4 times as long"];
+            says(&reason.sentence, &words);
+            says(&probe.summary, &["too small"]);
             assert_eq!(probe.own_slope.map(|own| apart(own, motion) < 0.7), Some(true), "{:?}", probe.own_slope);
             let change = reason.change.as_ref().expect("a setting");
             let finer = finer.get_or_insert_with(|| {
@@ -149,13 +147,11 @@ fn candidates_come_by_the_slope_in_view_then_the_motion_given_then_others() {
     let probe = probed(&cache, [60.0, 48.0], options);
     assert_eq!((probe.motion, probe.own_slope), (Some(motion), Some(motion.slope)));
     // A step of the grid, or what the burst smears over one σ.
-    let class = |fate: &burstscope_core::inspect::place::Fate| {
+    let class = |fate: &Fate| {
         let is_near = |slope: Slope| apart(fate.slope, slope) < 0.5 || apart(fate.slope, slope) <= fate.sigma / 7.0;
         if is_near(in_view) { 0 } else { 2 - u8::from(is_near(motion.slope)) }
     };
-    let here = |fate: &&burstscope_core::inspect::place::Fate| {
-        (fate.pos_image[0] - 60.0).hypot(fate.pos_image[1] - 48.0) <= 3.0
-    };
+    let here = |fate: &&Fate| (fate.pos_image[0] - 60.0).hypot(fate.pos_image[1] - 48.0) <= 3.0;
     let classes: Vec<u8> = probe.near_fates().iter().filter(here).map(class).collect();
     assert!(classes.is_sorted() && classes.contains(&2) && classes.contains(&1), "{classes:?}");
     // Of the blob's own slope nothing is said but that it was found there.

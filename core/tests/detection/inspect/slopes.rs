@@ -57,24 +57,30 @@ pub fn about(spectrum: &Spectrum, subject: AdviceSubject) -> Option<&SlopeAdvice
     spectrum.advice.iter().find(|advice| advice.subject == subject)
 }
 
-/// The parameters after the changes.
 pub fn applied(slopes: SlopeGrid, changes: &[ParamChange]) -> DetectorParams {
     let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
     changes.iter().fold(params, |params, change| change.applied(&params).expect("valid"))
 }
 
 #[test]
-fn a_search_that_fits_needs_no_advice() {
+fn a_search_that_fits_needs_no_advice_and_a_step_that_is_too_coarse_is_refined() {
     let burst = uniform(Slope::new(1.2, 0.0), 8);
     let spectrum = asked(&burst, SlopeGrid::line(0.2..=2.2, 5));
     assert_eq!(spectrum.advice, [], "{:#?}", spectrum.advice);
     assert!(spectrum.features > 20);
     assert!((spectrum.most_features().expect("features").u - 1.2).abs() <= 0.5);
     says(spectrum_text(&spectrum, "moving"), &["the slopes fit the burst"]);
+    let burst = uniform(Slope::new(1.0, 0.0), 10);
+    let grid = SlopeGrid::line(-1.5..=3.0, 4);
+    let advice = about(&asked(&burst, grid), AdviceSubject::Step).cloned().expect("a step of 1.5 px/frame smears");
+    assert!(advice.number > 0.3 && advice.sentence.contains('%'), "{advice:?}");
+    let finer = applied(grid, &advice.changes).slopes;
+    assert!(finer.u.step() < 0.5 && finer.u.min < 1.0 && finer.u.max > 1.0, "{finer:?}");
+    assert_eq!(asked(&burst, finer).advice, [], "the whole range would be more than is needed");
 }
 
 #[test]
-fn a_range_that_is_too_narrow_is_widened_to_the_motion() {
+fn too_narrow_a_range_is_widened_to_the_motion_and_one_that_nearly_fits_keeps_its_slopes() {
     let burst = uniform(Slope::new(4.2, 0.0), 8);
     let grid = SlopeGrid::line(-3.0..=3.0, 13);
     let spectrum = asked(&burst, grid);
@@ -87,27 +93,11 @@ fn a_range_that_is_too_narrow_is_widened_to_the_motion() {
     // After the change the advice is gone.
     let again = asked(&burst, wider);
     assert!(about(&again, AdviceSubject::Range).is_none(), "{:#?}", again.advice);
-}
-
-#[test]
-fn a_range_that_nearly_fits_keeps_its_slopes_when_widened() {
-    let burst = uniform(Slope::new(4.2, 0.0), 8);
     let grid = SlopeGrid::line(2.4..=3.6, 4);
     let advice = about(&asked(&burst, grid), AdviceSubject::Range).cloned().expect("the motion is beyond the range");
     let wider = applied(grid, &advice.changes).slopes;
     assert!(wider.u.max > 4.2 && wider.u.count < 9, "{wider:?}");
     assert!(grid.slopes().all(|slope| wider.slopes().any(|other| other == slope)), "{wider:?}");
-}
-
-#[test]
-fn a_step_that_is_too_coarse_is_refined() {
-    let burst = uniform(Slope::new(1.0, 0.0), 10);
-    let grid = SlopeGrid::line(-1.5..=3.0, 4);
-    let advice = about(&asked(&burst, grid), AdviceSubject::Step).cloned().expect("a step of 1.5 px/frame smears");
-    assert!(advice.number > 0.3 && advice.sentence.contains('%'), "{advice:?}");
-    let finer = applied(grid, &advice.changes).slopes;
-    assert!(finer.u.step() < 0.5 && finer.u.min < 1.0 && finer.u.max > 1.0, "{finer:?}");
-    assert_eq!(asked(&burst, finer).advice, [], "the whole range would be more than is needed");
 }
 
 #[test]
@@ -143,7 +133,7 @@ fn after_advice_is_applied_nothing_more_is_said() {
 }
 
 #[test]
-fn motion_across_the_line_asks_for_another_direction() {
+fn motion_across_the_line_asks_for_another_direction_and_a_garland_answers_again_a_period_away() {
     let burst = uniform(Slope::new(0.0, 1.8), 8);
     let grid = SlopeGrid::line(-2.0..=2.0, 9);
     let spectrum = asked(&burst, grid);
@@ -153,24 +143,18 @@ fn motion_across_the_line_asks_for_another_direction() {
     let holds = |slope: Slope| turned.slopes().any(|s| (s.u - slope.u).hypot(s.v - slope.v) < 0.5);
     assert!(holds(Slope::new(0.0, 1.8)), "{turned:?}");
     assert!(about(&asked(&burst, turned), AdviceSubject::Direction).is_none());
-}
-
-#[test]
-fn a_garland_answers_again_a_period_away() {
     let example = Example::Aliasing;
-    let burst = example.burst();
-    let spectrum = asked(&burst, slopes_of(example));
+    let spectrum = asked(&example.burst(), slopes_of(example));
     // There are features at the alias, as the paper says.
     let near = |spectrum: &Spectrum, slope: f32| {
         spectrum.bars.iter().filter(|bar| (bar.slope.u - slope).abs() < 0.6).map(|bar| bar.features).sum::<usize>()
     };
     assert!(near(&spectrum, ALIASING_SLOPE - GARLAND_PERIOD) >= 5);
-    let svg = spectrum_figure(&spectrum, "garlands").drawing.svg();
-    assert!(roxmltree::Document::parse(&svg).is_ok());
+    assert!(roxmltree::Document::parse(&spectrum_figure(&spectrum, "garlands").drawing.svg()).is_ok());
 }
 
 #[test]
-fn fast_motion_that_leaves_the_picture_asks_for_fewer_frames() {
+fn motion_that_leaves_the_picture_or_is_not_straight_asks_for_fewer_frames() {
     let burst = moving((160, 160), 14, |dt| (4.0 * dt, 0.0));
     let grid = SlopeGrid::line(3.0..=5.0, 9);
     let spectrum = asked(&burst, grid);
@@ -179,10 +163,6 @@ fn fast_motion_that_leaves_the_picture_asks_for_fewer_frames() {
         .unwrap_or_else(|| panic!("{:?} {:#?}", spectrum.finding.verdict, spectrum.advice));
     let fewer = applied(grid, &advice.changes).frames.expect("a range of frames");
     assert!(fewer.end - fewer.start < 14 && fewer.start > 0, "{fewer}");
-}
-
-#[test]
-fn motion_that_is_not_straight_asks_for_fewer_frames() {
     // The motion reverses: after ten frames it is 8 px from a uniform motion.
     let burst = moving((200, 160), 11, |dt| (1.0 * dt + 0.32 * dt * dt, 0.0));
     let grid = SlopeGrid::line(-2.0..=4.0, 19);
@@ -195,16 +175,12 @@ fn motion_that_is_not_straight_asks_for_fewer_frames() {
 }
 
 #[test]
-fn slopes_searched_for_nothing_are_said_to_be() {
+fn slopes_searched_for_nothing_are_told_and_coverage_is_what_all_frames_show() {
     let burst = uniform(Slope::new(1.0, 0.0), 8);
     let spectrum = asked(&burst, SlopeGrid::plane(-2.0..=2.0, 9, -2.0..=2.0, 9));
     let advice = about(&spectrum, AdviceSubject::Cost).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
     assert!(advice.number < 0.4 && advice.sentence.contains("81"), "{advice:?}");
     assert!(roxmltree::Document::parse(&spectrum_figure(&spectrum, "a & b").drawing.svg()).is_ok());
-}
-
-#[test]
-fn coverage_is_the_part_of_the_picture_that_all_frames_show() {
     use burstscope_core::inspect::slopes::coverage_share;
     assert_eq!(coverage_share(Slope::default(), &Positions::even(10), (100, 50)), 1.0);
     assert!((coverage_share(Slope::new(-1.0, 2.0), &Positions::even(11), (100, 50)) - 0.9 * 0.6).abs() < 1e-6);

@@ -2,21 +2,14 @@
 
 use crate::prelude::*;
 use burstscope_core::plane::display::*;
-use proptest::prelude::*;
 
 #[test]
-fn grey_is_the_rounded_value() {
+fn grey_is_rounded_zero_neutral_in_a_symmetric_display_and_rgba_the_colour_of_every_pixel() {
     let display = Display::default();
-    for i in 0..=255u8 {
-        assert_eq!(display.colour(f32::from(i) / 255.0), [i; 3]);
-    }
+    (0..=255u8).for_each(|i| assert_eq!(display.colour(f32::from(i) / 255.0), [i; 3]));
     assert_eq!(display.colour(-1.0), [0; 3]);
     assert_eq!(display.colour(f32::INFINITY), [255; 3]);
     assert_eq!(display.colour(f32::NAN), NAN_COLOUR);
-}
-
-#[test]
-fn zero_is_neutral_and_signs_are_alike_in_a_symmetric_display() {
     for gamma in [0.5, 1.0, 2.0] {
         let display = Display { gamma, ..Display::symmetric(0.02) };
         let zero = display.colour(0.0);
@@ -25,10 +18,6 @@ fn zero_is_neutral_and_signs_are_alike_in_a_symmetric_display() {
         assert!((low + high - 1.0).abs() < 1e-6);
     }
     assert_eq!(Display::symmetric(0.1).with_range(-0.3, 0.2).max, 0.3);
-}
-
-#[test]
-fn rgba_is_the_colour_of_every_pixel() {
     let plane = Plane::from_fn(7, 3, |u, v| (u + 7 * v) as f32 / 20.0);
     let display = Display { map: ColourMap::Viridis, gamma: 1.7, ..Display::default() };
     let image = to_rgba8(&plane, &display);
@@ -61,15 +50,6 @@ proptest! {
             let (low, high) = (a.min(b), a.max(b));
             prop_assert!(display.position(low).unwrap() <= display.position(high).unwrap() + 1e-6);
         }
-    }
-}
-
-fn luma(c: Rgb) -> f32 {
-    0.2126 * f32::from(c[0]) + 0.7152 * f32::from(c[1]) + 0.0722 * f32::from(c[2])
-}
-
-#[test]
-fn the_centre_of_a_diverging_map_is_exactly_neutral_and_its_sides_differ() {
     for map in ColourMap::ALL.into_iter().filter(|m| m.is_diverging()) {
         let lut = map.lut();
         assert_eq!(lut[127], lut[128], "{map:?}");
@@ -80,6 +60,11 @@ fn the_centre_of_a_diverging_map_is_exactly_neutral_and_its_sides_differ() {
             assert!((luma(lut[127 - d]) - luma(lut[128 + d])).abs() < 40.0, "{map:?} at ±{d}");
         }
     }
+    }
+}
+
+fn luma(c: Rgb) -> f32 {
+    0.2126 * f32::from(c[0]) + 0.7152 * f32::from(c[1]) + 0.0722 * f32::from(c[2])
 }
 
 #[test]

@@ -2,14 +2,13 @@
 
 use crate::prelude::*;
 use burstscope_core::plane::statistics::*;
-use proptest::prelude::*;
 
 fn plane_of(values: &[f32]) -> Plane {
     Plane::from_vec(values.len(), 1, values.to_vec())
 }
 
 #[test]
-fn summary_leaves_out_what_is_not_finite() {
+fn summary_and_regions_leave_out_what_is_not_finite_or_beyond_and_histograms_have_edges() {
     let plane = plane_of(&[1.0, f32::NAN, 3.0, f32::INFINITY, -2.0]);
     let s = summary(&plane, &Region::whole(&plane));
     assert_eq!((s.count, s.not_finite, s.min, s.max), (3, 2, -2.0, 3.0));
@@ -18,21 +17,12 @@ fn summary_leaves_out_what_is_not_finite() {
     assert_eq!(summary(&none, &Region::whole(&none)).range(), None);
     assert_eq!(percentiles(&none, &Region::whole(&none), &[50.0]), None);
     assert_eq!(percentiles_until(&plane, &Region::whole(&plane), &[50.0], &cancelled()), Err(Cancelled));
-}
-
-#[test]
-fn a_region_restricts_and_is_cut_to_the_plane() {
     let plane = Plane::from_fn(10, 10, |u, v| (u + 10 * v) as f32);
-    let region = Region { columns: 2..4, rows: 3..5 };
-    assert_eq!(summary(&plane, &region).range(), Some((32.0, 43.0)));
+    assert_eq!(summary(&plane, &Region { columns: 2..4, rows: 3..5 }).range(), Some((32.0, 43.0)));
     let beyond = Region { columns: 8..100, rows: 9..100 };
     assert_eq!(beyond.within(&plane).len(), 2);
     assert!(Region { columns: 20..30, rows: 0..1 }.within(&plane).is_empty());
     assert_eq!(summary(&plane, &Region { columns: 20..30, rows: 0..1 }).count, 0);
-}
-
-#[test]
-fn histogram_edges() {
     let plane = plane_of(&[0.0, 0.24, 0.25, 1.0, -0.1, 1.1, f32::NAN]);
     let h = histogram(&plane, &Region::whole(&plane), 0.0, 1.0, 4);
     assert_eq!(h.counts, vec![2, 1, 0, 1]);

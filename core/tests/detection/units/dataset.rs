@@ -1,14 +1,10 @@
 //! Tests of the public functions of `dataset`.
 
 use crate::prelude::*;
-use burstscope_core::dataset::camera::*;
-use burstscope_core::dataset::pairs::*;
-use burstscope_core::dataset::*;
-use burstscope_core::error::*;
-use burstscope_core::matching::*;
+use burstscope_core::{dataset::camera::*, dataset::pairs::*, dataset::*, error::*, matching::*};
 
 #[test]
-fn a_guess_is_colmaps_and_a_known_camera_is_for_its_own_images() {
+fn a_guess_is_colmaps_and_a_known_camera_is_for_its_own_images_and_camera_files_are_read_or_explained() {
     let camera = CameraChoice::default().for_images((640, 480)).expect("a guess");
     assert_eq!(camera.to_string(), "SIMPLE_RADIAL 640 480 768 320 240 0");
     let camera = CameraChoice::Guessed(CameraModel::OpenCv).for_images((480, 640)).expect("a guess");
@@ -16,6 +12,22 @@ fn a_guess_is_colmaps_and_a_known_camera_is_for_its_own_images() {
     let choice = CameraChoice::Known(Camera::centred(64, 48, 50.0));
     assert_eq!(choice.for_images((64, 48)).map(|c| c.params[0]), Ok(50.0));
     says(choice.for_images((48, 64)).expect_err("another size"), &["64×48", "48×64"]);
+    let (home, path) = folder_with("camera.toml");
+    let read = |text: &str| {
+        fs::write(&path, text).expect("written");
+        read_camera(&path)
+    };
+    let text = "model = \"OPENCV\"\nwidth = 8\nheight = 6\nparams = [5, 5, 4, 3, 0.1, 0, 0, 0]\n";
+    assert_eq!(read(text).expect("a camera").to_string(), "OPENCV 8 6 5 5 4 3 0.1 0 0 0");
+    for (text, words) in [
+        ("model = \"FISHEYE\"\nwidth = 8\nheight = 6\nparams = [5, 4, 3]\n", "FISHEYE"),
+        ("model = \"PINHOLE\"\nwidth = 8\nheight = 6\n", "params"),
+        ("model = \"PINHOLE\"\nwidth = 8\nheight = 6\nparams = [5]\n", "fx, fy, cx, cy"),
+        ("model = \"PINHOLE\"\nfocal = 3\n", "focal"),
+    ] {
+        says(read(text).expect_err(words), &[words]);
+    }
+    assert!(read_camera(&home.join("gone.toml")).expect_err("absent").to_string().contains("gone.toml"));
 }
 
 #[test]
@@ -54,26 +66,6 @@ fn bursts_have_the_camera_that_is_given_for_their_folder_or_lies_beside_them() {
     says(of(&[("righ", 7.0)]).expect_err("no such folder"), &["'righ'", "flight, left, one, right, two"]);
     fs::write(input.join("right/camera.toml"), "model = 3").expect("written");
     says(of(&[]).expect_err("no camera"), &["camera.toml"]);
-}
-
-#[test]
-fn camera_files_are_read_or_explained() {
-    let (home, path) = folder_with("camera.toml");
-    let read = |text: &str| {
-        fs::write(&path, text).expect("written");
-        read_camera(&path)
-    };
-    let text = "model = \"OPENCV\"\nwidth = 8\nheight = 6\nparams = [5, 5, 4, 3, 0.1, 0, 0, 0]\n";
-    assert_eq!(read(text).expect("a camera").to_string(), "OPENCV 8 6 5 5 4 3 0.1 0 0 0");
-    for (text, words) in [
-        ("model = \"FISHEYE\"\nwidth = 8\nheight = 6\nparams = [5, 4, 3]\n", "FISHEYE"),
-        ("model = \"PINHOLE\"\nwidth = 8\nheight = 6\n", "params"),
-        ("model = \"PINHOLE\"\nwidth = 8\nheight = 6\nparams = [5]\n", "fx, fy, cx, cy"),
-        ("model = \"PINHOLE\"\nfocal = 3\n", "focal"),
-    ] {
-        says(read(text).expect_err(words), &[words]);
-    }
-    assert!(read_camera(&home.join("gone.toml")).expect_err("absent").to_string().contains("gone.toml"));
 }
 
 struct Counted {
@@ -141,7 +133,7 @@ fn lists_name_bursts_with_or_without_an_extension_and_wrong_lines_are_numbered()
 }
 
 #[test]
-fn the_middle_frame_is_shown_and_a_broken_one_named() {
+fn the_middle_frame_is_shown_and_a_broken_one_named_and_folders_of_bursts_and_cut_sequences() {
     let home = folder();
     for t in 0..3u8 {
         let frame = image::GrayImage::from_fn(8, 4, |u, _| image::Luma([if t == 1 && u > 3 { 40 } else { 10 }]));
@@ -158,20 +150,6 @@ fn the_middle_frame_is_shown_and_a_broken_one_named() {
     assert_eq!((shown.rgb[0], shown.rgb[9]), (0, 255), "a dark frame is stretched");
     fs::write(home.join("1.png"), "no picture").expect("written");
     says(made(&OpenOptions::default()).expect_err("broken"), &["1.png"]);
-}
-
-fn film(folder: &Path, frames: usize) {
-    fs::create_dir_all(folder).expect("made");
-    let frame = image::GrayImage::from_pixel(4, 4, image::Luma([9]));
-    (0..frames).for_each(|t| frame.save(folder.join(format!("f{t}.png"))).expect("written"));
-}
-
-fn names(source: &DatasetSource) -> Vec<String> {
-    source.bursts(&OpenOptions::default()).expect("bursts").into_iter().map(|b| b.name).collect()
-}
-
-#[test]
-fn folders_of_bursts_and_cut_sequences() {
     let home = folder();
     film(&home.join("nights/a"), 2);
     film(&home.join("nights/b"), 5);
@@ -181,8 +159,7 @@ fn folders_of_bursts_and_cut_sequences() {
     assert_eq!(names(&one), ["f1", "f3"]);
     let overlapping = DatasetSource { burst_step: Some(1), ..one.clone() };
     assert_eq!(names(&overlapping), ["f1", "f2", "f3", "f4"]);
-    let both = DatasetSource { burst_length: Some(2), ..nights.clone() };
-    assert_eq!(names(&both), ["a_f1", "b_f1", "b_f3"]);
+    assert_eq!(names(&DatasetSource { burst_length: Some(2), ..nights.clone() }), ["a_f1", "b_f1", "b_f3"]);
     for (wrong, words) in [
         (DatasetSource { burst_length: Some(3), ..nights.clone() }, "too few frames (2)"),
         (DatasetSource { burst_length: Some(0), ..nights.clone() }, "1"),
@@ -195,4 +172,14 @@ fn folders_of_bursts_and_cut_sequences() {
     assert_eq!(one.default_folder(), Some(home.join("nights/b-burstscope-2")));
     assert_eq!(overlapping.default_folder(), Some(home.join("nights/b-burstscope-2-1")));
     assert_eq!(nights.label(), "nights");
+}
+
+fn film(folder: &Path, frames: usize) {
+    fs::create_dir_all(folder).expect("made");
+    let frame = image::GrayImage::from_pixel(4, 4, image::Luma([9]));
+    (0..frames).for_each(|t| frame.save(folder.join(format!("f{t}.png"))).expect("written"));
+}
+
+fn names(source: &DatasetSource) -> Vec<String> {
+    source.bursts(&OpenOptions::default()).expect("bursts").into_iter().map(|b| b.name).collect()
 }

@@ -9,10 +9,9 @@ use burstscope_core::detector::noise_model::*;
 use burstscope_core::detector::scale_space::*;
 use burstscope_core::detector::stack::*;
 use burstscope_core::detector::view::*;
-use proptest::prelude::*;
 
 #[test]
-fn made_bursts_are_explained() {
+fn made_bursts_are_explained_and_counts_are_grouped_by_thousands() {
     let found = |burst: &Burst, params: &DetectorParams| {
         let detection = detect(burst, params, &quiet()).expect("a detection");
         explain(&detection, params, burst.size())
@@ -31,18 +30,13 @@ fn made_bursts_are_explained() {
     let clear = made(8.0, 10, 3.6..=9.0);
     assert_eq!(found(&clear, &DetectorParams::default()), None);
     assert_eq!(found(&clear, &DetectorParams { max_features: 2, ..DetectorParams::default() }), None);
-}
-
-#[test]
-fn counts_are_grouped_by_thousands() {
     assert_eq!([0, 7, 999, 1000, 12_345_678].map(grouped), ["0", "7", "999", "1 000", "12 345 678"]);
 }
 
 #[test]
-fn level_answers_are_coherent_and_a_bump_is_its_part() {
-    let level: Vec<(f32, f32)> = vec![(-0.1, 0.0); 10];
-    assert_eq!(evenness(&level).coherence, Some(1.0));
-    assert_eq!(evenness(&level).shape, Shape::Level);
+fn level_answers_are_coherent_a_bump_is_its_part_and_noise_alone_says_nothing() {
+    let level = evenness(&[(-0.1, 0.0); 10]);
+    assert_eq!((level.coherence, level.shape), (Some(1.0), Shape::Level));
     // Three of ten respond: the coherence is 0.3.
     let bump: Vec<(f32, f32)> = (0..10).map(|t| (if (4..7).contains(&t) { 0.2 } else { 0.0 }, 0.005)).collect();
     let seen = evenness(&bump);
@@ -51,10 +45,6 @@ fn level_answers_are_coherent_and_a_bump_is_its_part() {
     // Equal responses that are not side by side.
     let apart: Vec<(f32, f32)> = (0..10).map(|t| (if t % 4 == 1 { 0.2 } else { 0.0 }, 0.005)).collect();
     assert_eq!(evenness(&apart).shape, Shape::Uneven);
-}
-
-#[test]
-fn noise_alone_says_nothing_and_hides_nothing_strong() {
     let mut noise = Stream::new(4, 0);
     let (mut unclear, mut level) = (0, 0);
     for _ in 0..200 {
@@ -110,29 +100,14 @@ fn plane(side: usize) -> DetectorParams {
     DetectorParams { slopes, ..DetectorParams::default() }
 }
 
-#[test]
-fn the_estimate_grows_with_slopes_and_the_first_octave() {
-    let plane = plane(64);
-    let fine = DetectorParams { first_octave: -1, ..plane.clone() };
-    let of = |params: &DetectorParams| memory::estimate(params, 10, SIZE) as f64 / 1e9;
-    assert!((8.0..13.0).contains(&of(&plane)) && (32.0..45.0).contains(&of(&fine)));
-    assert!(of(&DetectorParams::default()) < 0.5);
-    assert!(memory::estimate(&plane, usize::MAX >> 8, (1 << 30, 1 << 30)) > 1 << 60, "huge, and no overflow");
-}
-
 fn noisy_burst(sigma: f32, n: usize, scene: impl Fn(usize, usize) -> f32, round_to: f32) -> Burst {
     let mut noise = Stream::new(7, 0);
-    let frames = (0..n)
-        .map(|_| {
-            Plane::from_fn(300, 200, |u, v| {
-                let value = scene(u, v) + sigma * noise.normal() as f32;
-                if round_to > 0.0 { (value / round_to).round() * round_to } else { value }
-            })
-        })
-        .collect();
-    let mut burst = Burst::from_planes("noise", frames);
-    burst.quantisation_step = round_to;
-    burst
+    let mut value = |u, v| {
+        let value = scene(u, v) + sigma * noise.normal() as f32;
+        if round_to > 0.0 { (value / round_to).round() * round_to } else { value }
+    };
+    let frames = (0..n).map(|_| Plane::from_fn(300, 200, &mut value)).collect();
+    Burst { quantisation_step: round_to, ..Burst::from_planes("noise", frames) }
 }
 
 fn estimate(burst: &Burst) -> f32 {
@@ -140,15 +115,11 @@ fn estimate(burst: &Burst) -> f32 {
 }
 
 #[test]
-fn the_estimate_is_within_three_percent_on_noise_with_edges() {
+fn the_noise_is_estimated_beside_edges_of_coarse_numbers_in_tiny_images_and_not_in_black_parts() {
     for sigma in [0.002f32, 0.01, 0.1] {
         let burst = noisy_burst(sigma, 4, |u, v| if (u / 40 + v / 50) % 2 == 0 { 0.2 } else { 0.6 }, 0.0);
         assert!((estimate(&burst) / sigma - 1.0).abs() < 0.03, "{sigma}: {}", estimate(&burst));
     }
-}
-
-#[test]
-fn coarse_numbers_do_not_spoil_the_estimate() {
     // 8-bit frames whose noise is none, half, one and two grey values; rounding adds a twelfth of a step².
     for grey_values in [0.0, 0.5f32, 1.0, 2.0] {
         let step = 1.0 / 255.0;
@@ -156,30 +127,20 @@ fn coarse_numbers_do_not_spoil_the_estimate() {
         let expected = (grey_values * grey_values + 1.0 / 12.0).sqrt() * step;
         assert!((estimate(&burst) / expected - 1.0).abs() < 0.05, "{grey_values}: {}", estimate(&burst));
     }
-}
-
-#[test]
-fn black_parts_where_the_noise_is_cut_off_do_not_count() {
-    // Two thirds of the image are so dark that nearly all of their noise is cut off at zero.
-    let (sigma, step) = (3.0 / 255.0, 1.0 / 255.0);
-    let mut burst = noisy_burst(sigma, 3, |u, _| if u < 200 { -0.03 } else { 0.4 }, step);
-    for frame in &mut burst.frames {
-        let cut = Plane::from_vec(300, 200, frame.data().iter().map(|x| x.max(0.0)).collect());
-        *frame = Arc::new(cut);
-    }
-    assert!((estimate(&burst) / sigma - 1.0).abs() < 0.06, "{}", estimate(&burst) / sigma);
-}
-
-#[test]
-fn tiny_images_and_single_frames_have_an_answer() {
     let flat = |n: usize, size: usize| {
         estimate(&Burst::from_planes("flat", (0..n).map(|_| Plane::from_fn(size, size, |_, _| 0.3)).collect()))
     };
     assert_eq!((flat(3, 2), flat(1, 3), flat(2, 9)), (0.0, 0.0, 0.0));
+    // Two thirds of the image are so dark that nearly all of their noise is cut off at zero.
+    let (sigma, step) = (3.0 / 255.0, 1.0 / 255.0);
+    let mut burst = noisy_burst(sigma, 3, |u, _| if u < 200 { -0.03 } else { 0.4 }, step);
+    let cut = |frame: &Arc<Plane>| Arc::new(Plane::from_fn(300, 200, |u, v| frame.at(u, v).max(0.0)));
+    burst.frames = burst.frames.iter().map(cut).collect();
+    assert!((estimate(&burst) / sigma - 1.0).abs() < 0.06, "{}", estimate(&burst) / sigma);
 }
 
 #[test]
-fn larger_searches_have_higher_gates() {
+fn larger_searches_have_higher_gates_and_estimates_and_white_noise_the_bits_of_one_sigma() {
     let line = SlopeGrid::line(-3.0..=3.0, 7);
     let gate = |slopes, noise_gate| gate_factor(&DetectorParams { slopes, noise_gate, ..DetectorParams::default() });
     let one = gate(line, NoiseGate::Auto);
@@ -188,10 +149,6 @@ fn larger_searches_have_higher_gates() {
     assert!((gate(line, NoiseGate::Strict) - one - 10f32.ln() / one).abs() < 0.1);
     assert!((0.8..1.1).contains(&(one - gate(line, NoiseGate::Matching))));
     assert_eq!(gate(line, NoiseGate::Factor(4.5)), 4.5);
-}
-
-#[test]
-fn white_noise_has_the_bits_of_the_one_sigma() {
     let space = ScaleSpace::new(4, 0, 4.0);
     let slope = Slope::new(1.3, 0.2);
     let offsets = frame_offsets(&Positions::even(10), slope, Interpolation::Linear);
@@ -201,6 +158,12 @@ fn white_noise_has_the_bits_of_the_one_sigma() {
         assert_eq!(model.sigma_d(&space, Scale { octave, level }, (slope, &offsets), 5.0), expected);
     }
     assert_eq!(model.place_factor(0, &offsets, (3, 4), (100, 80)), 1.0);
+    let plane = plane(64);
+    let fine = DetectorParams { first_octave: -1, ..plane.clone() };
+    let of = |params: &DetectorParams| memory::estimate(params, 10, SIZE) as f64 / 1e9;
+    assert!((8.0..13.0).contains(&of(&plane)) && (32.0..45.0).contains(&of(&fine)));
+    assert!(of(&DetectorParams::default()) < 0.5);
+    assert!(memory::estimate(&plane, usize::MAX >> 8, (1 << 30, 1 << 30)) > 1 << 60, "huge, and no overflow");
 }
 
 #[test]
@@ -228,7 +191,7 @@ fn every_parameter_of_the_detector_can_be_changed_alone() {
 }
 
 #[test]
-fn a_moving_point_is_where_it_was_at_mid_burst() {
+fn a_moving_point_is_where_it_was_at_mid_burst_and_a_map_of_the_noise_shows_where_it_is_stronger() {
     let frames: Vec<Plane> =
         (0..5).map(|t| Plane::from_fn(40, 20, |u, v| f32::from(u == 10 + 2 * t && v == 15 - t))).collect();
     let frames: Vec<&Plane> = frames.iter().collect();
@@ -237,10 +200,6 @@ fn a_moving_point_is_where_it_was_at_mid_burst() {
         motion_stack(&frames, &Positions::even(5), slope, Interpolation::Linear, &monitor).expect("not cancelled");
     assert_eq!(stack.at(14, 13), 1.0);
     assert_eq!(stack.data().iter().filter(|&&x| x != 0.0).count(), 1);
-}
-
-#[test]
-fn a_map_of_the_noise_shows_where_it_is_stronger() {
     let burst = NoiseCase::NoisyHalf.burst((640, 400), 6, 0.02, 7, &quiet()).expect("not cancelled");
     let map = |noise_model| {
         let params =

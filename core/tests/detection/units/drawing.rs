@@ -17,7 +17,7 @@ fn red() -> FigureStroke {
 }
 
 #[test]
-fn pictures_lines_and_circles_are_where_they_belong() {
+fn pictures_lines_circles_and_the_tints_of_areas_are_where_they_belong() {
     let picture = FigureShape::Picture {
         rect: FigureRect { min: [10.0, 10.0], size: [20.0, 10.0] },
         size: (2, 1),
@@ -30,33 +30,6 @@ fn pictures_lines_and_circles_are_where_they_belong() {
     assert_eq!((pixel(15, 15), pixel(25, 15), pixel(5, 5)), ([0, 0, 0, 255], [0, 0, 255, 255], [255; 4]));
     assert_eq!((pixel(30, 30), pixel(30, 25)), ([255, 0, 0, 255], [255; 4]));
     assert_eq!((pixel(53, 15), pixel(45, 15)), ([255, 0, 0, 255], [255; 4]));
-}
-
-#[test]
-fn what_is_clipped_ends_at_the_rectangle_and_letters_stand_on_their_line() {
-    let rect = FigureRect { min: [0.0, 0.0], size: [30.0, 40.0] };
-    let (anchor, face, color) = (Anchor::End, Face::Bold, [0; 3]);
-    let text = |at, upwards| {
-        let text = "HEH".into();
-        FigureShape::Text { at, anchor, size: 16.0, face, color, upwards, text }
-    };
-    let clipped = |shapes| FigureShape::Clipped { rect, round: true, shapes };
-    let lines = vec![line([0.0, 5.0], [60.0, 5.0])];
-    let image = rasterise(&drawing(vec![clipped(lines), text([58.0, 34.0], false)])).expect("small");
-    assert_eq!((image.get_pixel(20, 5).0, image.get_pixel(45, 5).0), ([255, 0, 0, 255], [255; 4]));
-    let dark = |y: u32| (0..60).filter(|x| image.get_pixel(*x, y).0[0] < 120).count();
-    assert!(dark(30) > 3, "letters are drawn");
-    assert_eq!((dark(37), dark(15)), (0, 0), "and end at the line that they stand on");
-    let column = |image: &RgbaImage, x: u32| (0..40).filter(|y| image.get_pixel(x, *y).0[0] < 120).count();
-    assert!(column(&image, 59) == 0 && (50..58).any(|x| column(&image, x) > 3), "a text ends at its place");
-    let moved = FigureShape::Moved { by: [10.0, 0.0], shapes: vec![text([20.0, 2.0], true)] };
-    let turned = rasterise(&drawing(vec![moved])).expect("small");
-    let widest = (0..60).max_by_key(|x| column(&turned, *x)).expect("columns");
-    assert!((18..30).contains(&widest) && column(&turned, 31) == 0, "upwards it stands left of it: {widest}");
-}
-
-#[test]
-fn an_area_tints_what_lies_within_it_and_nothing_else() {
     let points = fan([10.0, 20.0], [40.0, 20.0], 10.0).expect("large enough");
     let style = Style { fill: Some(([255, 0, 0], 0.5)), stroke: None };
     let fan = FigureShape::Line { points: points.into_iter().map(Some).collect(), style, class: "fan" };
@@ -66,15 +39,7 @@ fn an_area_tints_what_lies_within_it_and_nothing_else() {
         let [red, green, blue, _] = pixel(x, y);
         assert!(red == 255 && green.abs_diff(127) < 3 && green == blue, "{x} {y}: {:?}", pixel(x, y));
     }
-    for (x, y) in [(53, 20), (15, 12), (5, 20)] {
-        assert_eq!(pixel(x, y), [255; 4], "{x} {y}");
-    }
-}
-
-#[test]
-fn what_is_too_large_is_said() {
-    let large = Drawing { size: [1e6, 10.0], ..drawing(Vec::new()) };
-    assert!(rasterise(&large).is_err_and(|why| why.contains("smaller scale")));
+    [(53, 20), (15, 12), (5, 20)].into_iter().for_each(|(x, y)| assert_eq!(pixel(x, y), [255; 4], "{x} {y}"));
 }
 
 #[test]
@@ -90,8 +55,9 @@ fn a_preview_is_what_a_file_shows_in_no_more_pixels_than_are_asked_for() {
     assert!(red > 250 && green < 5, "the line is as much smaller");
     assert_eq!(half.get_pixel(15, 5).0, [255; 4]);
     let large = Drawing { size: [1e6, 1e5], ..drawing(Vec::new()) };
-    let refused = rasterise_preview(&large, [100, 100], true);
-    assert!(refused.is_err_and(|why| why.contains("smaller scale")), "no file of it would be written");
+    for refused in [rasterise(&large), rasterise_preview(&large, [100, 100], true)] {
+        assert!(refused.is_err_and(|why| why.contains("smaller scale")), "no file of it would be written");
+    }
     let vectors = rasterise_preview(&large, [100, 100], false).expect("vectors have any size");
     assert_eq!(vectors.dimensions(), (100, 10));
 }
@@ -134,7 +100,7 @@ fn a_page_has_the_size_of_the_figure_its_texts_and_a_grey_picture() {
 }
 
 #[test]
-fn what_is_missing_is_said_in_the_picture_and_empty_in_the_file() {
+fn what_is_missing_is_said_in_the_picture_and_the_ending_decides_the_file() {
     let rows =
         vec![vec!["A, \"B\"".into(), Cell::Number(98.25, 1)], vec!["C_1 & σ".into(), Cell::of(Some(f64::NAN), 1)]];
     let mut table = Table::new("Numbers", "method,images_pass_percent", rows);
@@ -149,10 +115,6 @@ fn what_is_missing_is_said_in_the_picture_and_empty_in_the_file() {
     let row = Table::new("", "a,b", vec![vec!["[1] x*".into(), Cell::Number(2.0, 0)]]).latex();
     assert!(row.contains("\n{$[$}1{$]$} x{$*$} & 2 "), "{row}");
     assert!(latex.contains("method & images pass, \\% \\\\\n") && latex.contains("\nC\\_1 \\& $\\sigma$ & -- \\\\\n"));
-}
-
-#[test]
-fn the_ending_decides_and_every_file_is_known() {
     let home = folder();
     let header = "picture,distance_px,u,v,value";
     let row = ["a", "1", "2", "3", "4"].map(Cell::from).to_vec();
@@ -173,7 +135,7 @@ fn the_ending_decides_and_every_file_is_known() {
 }
 
 #[test]
-fn a_fan_touches_the_circle_of_its_tip_and_a_large_one_is_that_circle() {
+fn a_fan_touches_the_circle_of_its_tip_and_what_is_clipped_ends_at_the_rectangle() {
     let (middle, tip) = ([10.0, 20.0], [40.0, 20.0]);
     let points = fan(middle, tip, 10.0).expect("large enough");
     let bounds = |i: usize| {
@@ -189,6 +151,25 @@ fn a_fan_touches_the_circle_of_its_tip_and_a_large_one_is_that_circle() {
     for none in [0.0, 2.9, f32::INFINITY, f32::NAN] {
         assert_eq!(fan(middle, tip, none), None, "{none}");
     }
+    let rect = FigureRect { min: [0.0, 0.0], size: [30.0, 40.0] };
+    let (anchor, face, color) = (Anchor::End, Face::Bold, [0; 3]);
+    let text = |at, upwards| {
+        let text = "HEH".into();
+        FigureShape::Text { at, anchor, size: 16.0, face, color, upwards, text }
+    };
+    let clipped = |shapes| FigureShape::Clipped { rect, round: true, shapes };
+    let lines = vec![line([0.0, 5.0], [60.0, 5.0])];
+    let image = rasterise(&drawing(vec![clipped(lines), text([58.0, 34.0], false)])).expect("small");
+    assert_eq!((image.get_pixel(20, 5).0, image.get_pixel(45, 5).0), ([255, 0, 0, 255], [255; 4]));
+    let dark = |y: u32| (0..60).filter(|x| image.get_pixel(*x, y).0[0] < 120).count();
+    assert!(dark(30) > 3, "letters are drawn");
+    assert_eq!((dark(37), dark(15)), (0, 0), "and end at the line that they stand on");
+    let column = |image: &RgbaImage, x: u32| (0..40).filter(|y| image.get_pixel(x, *y).0[0] < 120).count();
+    assert!(column(&image, 59) == 0 && (50..58).any(|x| column(&image, x) > 3), "a text ends at its place");
+    let moved = FigureShape::Moved { by: [10.0, 0.0], shapes: vec![text([20.0, 2.0], true)] };
+    let turned = rasterise(&drawing(vec![moved])).expect("small");
+    let widest = (0..60).max_by_key(|x| column(&turned, *x)).expect("columns");
+    assert!((18..30).contains(&widest) && column(&turned, 31) == 0, "upwards it stands left of it: {widest}");
 }
 
 #[test]

@@ -11,12 +11,7 @@ use burstscope_core::plane::sample::ProfileSample;
 use image::{Rgba, RgbaImage};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
-use std::io::{self, Write};
-use std::process::Command;
-
-fn count(folder: &Path) -> usize {
-    fs::read_dir(folder).expect("folder").count()
-}
+use std::{io, io::Write, process::Command};
 
 #[test]
 fn a_failing_or_panicking_write_leaves_the_old_file_and_nothing_else() {
@@ -26,7 +21,7 @@ fn a_failing_or_panicking_write_leaves_the_old_file_and_nothing_else() {
     let error = write_whole(&path, |w| w.write_all(&[b'x'; 1 << 18]).and_then(|()| full()));
     assert_eq!(error, Err(Error::unwritten(&path, &io::Error::other("disk full"))));
     assert_eq!(fs::read(&path).expect("read"), b"old");
-    assert_eq!(count(&folder), 1);
+    assert_eq!(names(&folder), ["a.txt"]);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -38,19 +33,7 @@ fn a_failing_or_panicking_write_leaves_the_old_file_and_nothing_else() {
     let path = folder.join("new.txt");
     let panicked = std::panic::catch_unwind(|| write_whole(&path, |_| panic!("on purpose")));
     assert!(panicked.is_err());
-    assert_eq!(count(&folder), 1);
-}
-
-#[test]
-fn every_sample_has_a_row_and_names_may_hold_anything() {
-    let sample = |distance_px, value| ProfileSample { distance_px, u: 1.5, v: 2.0, value };
-    let profiles = [
-        ("Stack (1.00, 0.00)".to_owned(), vec![sample(0.0, 0.25), sample(1.0, 0.5)]),
-        ("a \"b\"".to_owned(), vec![sample(0.0, f32::NAN)]),
-    ];
-    let text = profiles_table(&profiles).csv();
-    let expected = "picture,distance_px,u,v,value\n\"Stack (1.00, 0.00)\",0,1.5,2,0.25\n\"Stack (1.00, 0.00)\",1,1.5,2,0.5\n\"a \"\"b\"\"\",0,1.5,2,\n";
-    assert_eq!(text, expected);
+    assert_eq!(names(&folder), ["a.txt"]);
 }
 
 fn encoded(pictures: Vec<RgbaImage>, monitor: &Monitor) -> io::Result<Vec<u8>> {
@@ -63,7 +46,7 @@ fn pictures() -> Vec<RgbaImage> {
 }
 
 #[test]
-fn films_come_back_picture_by_picture() {
+fn films_come_back_picture_by_picture_and_last_a_second_at_any_rate() {
     let bytes = encoded(pictures(), &quiet()).expect("encoded");
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
@@ -78,10 +61,6 @@ fn films_come_back_picture_by_picture() {
     let estimate = |file: &str| estimated_film_bytes(Path::new(file), [&pictures()[0], &pictures()[1]], 3);
     assert!(estimate("a.gif").is_some_and(|about| (0.4..3.0).contains(&(about as f64 / bytes.len() as f64))));
     assert_eq!(estimate("a.mp4"), None);
-}
-
-#[test]
-fn a_second_of_pictures_lasts_a_second_at_any_rate() {
     for rate in [1, 7, 30, 49, 50] {
         let picture = || Ok(RgbaImage::from_pixel(2, 2, Rgba([1, 2, 3, 255])));
         let (mut bytes, count) = (Vec::new(), usize::from(rate));
@@ -97,7 +76,7 @@ fn a_second_of_pictures_lasts_a_second_at_any_rate() {
 }
 
 #[test]
-fn wrong_pictures_are_refused_and_cancelling_ends_it() {
+fn wrong_pictures_are_refused_and_a_film_of_numbered_ones_that_fails_leaves_none() {
     let mut sizes = pictures();
     sizes.push(RgbaImage::new(3, 3));
     for pictures in [Vec::new(), vec![RgbaImage::new(0, 5)], vec![RgbaImage::new(70_000, 1)], sizes] {
@@ -110,17 +89,8 @@ fn wrong_pictures_are_refused_and_cancelling_ends_it() {
     assert!(error.is_err_and(|error| error.to_string() == "no picture"));
     assert!(is_film(Path::new("a/b.GIF")));
     assert!(is_film(Path::new("a.mp4")) && !is_film(Path::new("a.apng")) && !is_film(Path::new("gif")));
-}
-
-#[test]
-fn pictures_with_numbers_are_the_film_and_a_film_that_fails_leaves_none() {
     let home = folder();
-    let names = || {
-        let entries = fs::read_dir(&home).expect("read");
-        let mut names: Vec<_> = entries.map(|entry| entry.expect("an entry").file_name()).collect();
-        names.sort();
-        names
-    };
+    let names = || names(&home);
     let (path, silent) = (home.join("sweep.png"), Monitor::default());
     let failing = [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))];
     let error = write_film(&path, (2, failing), 10, &silent).expect_err("a picture is missing");
@@ -165,31 +135,15 @@ fn an_mp4_that_fails_or_is_cancelled_leaves_nothing() {
         (vec![picture(8), picture(8)], cancelled(), "cancelled"),
     ] {
         says(write_film(&path, (2, pictures), 10, &monitor).expect_err(words), &[words]);
-        assert_eq!(fs::read_dir(&home).expect("a folder").count(), 0, "{words}");
+        assert!(names(&home).is_empty(), "{words}");
     }
 }
 
 #[test]
-fn formats_are_read_as_they_are_shown() {
-    for format in ExportFormat::ALL {
-        assert_eq!(format.to_string().parse(), Ok(format));
-        assert_eq!(format.to_string().to_uppercase().parse(), Ok(format));
-    }
-    let error = "xlsx".parse::<ExportFormat>().expect_err("unknown").to_string();
-    assert!(ExportFormat::ALL.iter().all(|f| error.contains(&f.to_string())), "{error}");
-}
-
-#[test]
-fn no_name_leaves_its_folder() {
+fn no_name_leaves_its_folder_twins_are_numbered_and_formats_read_as_they_are_shown() {
     let paths = [("../../etc/passwd", "_.._etc_passwd"), ("..", "burst"), ("", "burst")];
-    for (name, safe) in [("slider-far", "slider-far"), ("a:b?", "a_b_"), (" 夜 1. ", "夜 1")].into_iter().chain(paths)
-    {
-        assert_eq!(safe_file_name(name), safe);
-    }
-}
-
-#[test]
-fn names_that_would_share_a_file_are_numbered() {
+    let names = [("slider-far", "slider-far"), ("a:b?", "a_b_"), (" 夜 1. ", "夜 1")];
+    names.into_iter().chain(paths).for_each(|(name, safe)| assert_eq!(safe_file_name(name), safe));
     let mut names = ["a", "A", "a_2", "a:", "a?"].map(str::to_owned);
     make_file_names_unique(names.iter_mut().map(|name| (name, None)));
     assert_eq!(names, ["a", "A_2", "a_2_2", "a:", "a?_2"]);
@@ -198,6 +152,12 @@ fn names_that_would_share_a_file_are_numbered() {
     let mut names = ["a", "a", "a", "b"].map(str::to_owned);
     make_file_names_unique(names.iter_mut().zip(paths.map(Some)));
     assert_eq!(names, ["n1_a", "n2_a", "n2_a_2", "b"]);
+    for format in ExportFormat::ALL {
+        assert_eq!(format.to_string().parse(), Ok(format));
+        assert_eq!(format.to_string().to_uppercase().parse(), Ok(format));
+    }
+    let error = "xlsx".parse::<ExportFormat>().expect_err("unknown").to_string();
+    assert!(ExportFormat::ALL.iter().all(|f| error.contains(&f.to_string())), "{error}");
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -212,7 +172,7 @@ fn record() -> Record<Row> {
 }
 
 #[test]
-fn records_come_back_and_go() {
+fn records_come_back_and_go_and_every_sample_has_a_row_and_names_may_hold_anything() {
     let home = folder();
     let records = Records::of(&home);
     assert_eq!(records.read::<Row>("night"), None);
@@ -224,6 +184,14 @@ fn records_come_back_and_go() {
     records.remove("night").expect("removed");
     records.remove("night").expect("it is not there");
     assert_eq!(records.read::<Row>("night"), None);
+    let sample = |distance_px, value| ProfileSample { distance_px, u: 1.5, v: 2.0, value };
+    let profiles = [
+        ("Stack (1.00, 0.00)".to_owned(), vec![sample(0.0, 0.25), sample(1.0, 0.5)]),
+        ("a \"b\"".to_owned(), vec![sample(0.0, f32::NAN)]),
+    ];
+    let text = profiles_table(&profiles).csv();
+    let expected = "picture,distance_px,u,v,value\n\"Stack (1.00, 0.00)\",0,1.5,2,0.25\n\"Stack (1.00, 0.00)\",1,1.5,2,0.5\n\"a \"\"b\"\"\",0,1.5,2,\n";
+    assert_eq!(text, expected);
 }
 
 #[test]
@@ -232,10 +200,10 @@ fn every_file_that_is_written_is_known_until_somebody_changes_it() {
     let at = |name: &str| home.join(name);
     write_png(&at("a.png"), Bitmap::rgb(2, 1, &[9; 6])).expect("written");
     write_tiff(&at("a.tiff"), &Plane::from_fn(400, 300, |u, v| (u * v) as f32)).expect("written");
-    let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
-    write_film(&at("a.gif"), pictures, 10, &quiet()).expect("written");
-    let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
-    write_film(&at("film.png"), pictures, 10, &quiet()).expect("written");
+    for name in ["a.gif", "film.png"] {
+        let pictures = (2, [9, 8].map(|_| Ok(RgbaImage::new(9, 9))));
+        write_film(&at(name), pictures, 10, &quiet()).expect("written");
+    }
     let unit = burstscope_core::export::FigureUnit::Pixel;
     let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], unit, shapes: Vec::new() };
     write_drawing(&at("a.svg"), &drawing).expect("written");
@@ -340,14 +308,23 @@ fn series(points: &[(f64, f64, Option<[f64; 2]>)]) -> Series {
 }
 
 #[test]
-fn a_plot_has_room_for_what_it_shows() {
+fn a_plot_has_room_for_what_it_shows_and_ticks_are_round_and_inside() {
     let all = [series(&[(1.0, 5.0, Some([4.0, 7.0])), (2.0, f64::NAN, None)]), series(&[(1.0, 3.0, None)])];
     assert!((range_from_zero(&all, 1.0).1 - 7.42).abs() < 1e-9);
     assert_eq!(range_from_zero(&[], 1.0), (0.0, 1.06));
+    assert_eq!(ticks((-3.0, 3.0)), [-2.0, 0.0, 2.0]);
+    assert_eq!(ticks((0.0, 45.0)), [0.0, 10.0, 20.0, 30.0, 40.0]);
+    assert_eq!(ticks((2.0, 2.0)), [2.0]);
+    for k in 1..400 {
+        let range = (-0.013 * f64::from(k), 0.031 * f64::from(k));
+        let ticks = ticks(range);
+        assert!((2..=12).contains(&ticks.len()) && ticks.iter().all(|t| *t >= range.0 - 1e-9 && *t <= range.1 + 1e-9));
+    }
+    assert_eq!((short(-2.0), short(0.25), short(0.000_2)), ("−2".into(), "0.25".into(), "2e−4".into()));
 }
 
 #[test]
-fn lines_break_where_a_value_is_missing_and_names_are_escaped() {
+fn lines_break_where_a_value_is_missing_paragraphs_where_they_are_full_and_documents_stack() {
     let spread = Some([0.25, 1.5]);
     let all = [series(&[(0.0, 1.0, None), (1.0, f64::NAN, spread), (2.0, 1.0, spread), (3.0, 2.0, None)])];
     let mut sheet = Sheet::new(300.0, "lines");
@@ -362,31 +339,10 @@ fn lines_break_where_a_value_is_missing_and_names_are_escaped() {
     let is_from_low_to_high = bars[0].contains(r#"y1="107.5""#) && bars[0].contains(r#"y2="45""#);
     assert!(bars.len() == 1 && is_from_low_to_high, "{bars:?}");
     assert!(svg.contains("a &lt; b") && !svg.contains("NaN"), "{svg}");
-}
-
-#[test]
-fn ticks_are_round_and_inside() {
-    assert_eq!(ticks((-3.0, 3.0)), [-2.0, 0.0, 2.0]);
-    assert_eq!(ticks((0.0, 45.0)), [0.0, 10.0, 20.0, 30.0, 40.0]);
-    assert_eq!(ticks((2.0, 2.0)), [2.0]);
-    for k in 1..400 {
-        let range = (-0.013 * f64::from(k), 0.031 * f64::from(k));
-        let ticks = ticks(range);
-        assert!((2..=12).contains(&ticks.len()) && ticks.iter().all(|t| *t >= range.0 - 1e-9 && *t <= range.1 + 1e-9));
-    }
-    assert_eq!((short(-2.0), short(0.25), short(0.000_2)), ("−2".into(), "0.25".into(), "2e−4".into()));
-}
-
-#[test]
-fn documents_stand_under_one_another() {
     let document = |height: f64| Sheet::new(120.0, "part").finish(height);
     let both = stacked("both", vec![document(50.0), document(70.0)]).svg();
     assert!(both.starts_with("<svg ") && both.contains(r#"width="120" height="120""#), "{both}");
     assert!(both.contains(r#"translate(0 50)"#) && both.matches("</g>").count() == 2, "{both}");
-}
-
-#[test]
-fn a_paragraph_is_broken_where_it_is_full() {
     let mut sheet = Sheet::new(200.0, "a < b");
     let next = sheet.paragraph((0.0, 10.0), 10.0, 60.0, "one two three four five six");
     assert!(next > 30.0);

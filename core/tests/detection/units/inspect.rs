@@ -2,13 +2,8 @@
 
 use crate::prelude::*;
 use burstscope_core::dataset::{ColmapReport, ImageReport, Joined, PairReport};
-use burstscope_core::inspect::place::*;
-use burstscope_core::inspect::report::*;
-use burstscope_core::inspect::result::*;
-use burstscope_core::inspect::slopes::*;
-use burstscope_core::inspect::words::*;
+use burstscope_core::inspect::{place::*, report::*, result::*, slopes::*, words::*};
 use burstscope_core::matching::{MatchCounts, Refusal};
-use proptest::prelude::*;
 
 fn spot(u: f32, v: f32, sigma: f32) -> Spot {
     Spot { pos_image: [u, v], sigma, slope: Some(Slope::default()), is_bright: None }
@@ -38,7 +33,7 @@ proptest! {
 }
 
 #[test]
-fn gained_lost_and_moved_are_told_apart() {
+fn gained_lost_and_moved_are_told_apart_and_twice_the_slopes_take_twice_the_time() {
     let before = [spot(10.0, 10.0, 2.0), spot(50.0, 10.0, 2.0), spot(90.0, 10.0, 2.0)];
     let after = [spot(10.1, 10.0, 2.0), spot(51.0, 10.0, 2.0), spot(30.0, 40.0, 2.0)];
     let changes = compare(&before, &after);
@@ -50,9 +45,15 @@ fn gained_lost_and_moved_are_told_apart() {
     assert_eq!(compare(&one, &three).gained, [1, 2]);
     assert_eq!(compare(&three, &two).lost, [2]);
     let dark = Spot { is_bright: Some(false), ..before[0] };
-    let bright = Spot { is_bright: Some(true), ..before[0] };
-    assert_eq!(compare(&[dark], &[bright]).same, []);
+    assert_eq!(compare(&[dark], &[Spot { is_bright: Some(true), ..before[0] }]).same, []);
     assert_eq!(compare(&[spot(0.0, 0.0, 2.0)], &[spot(0.0, 0.0, 4.1)]).same, []);
+    let with = |count, first_octave| {
+        let slopes = SlopeGrid::line(-3.0..=3.0, count);
+        DetectorParams { slopes, first_octave, ..DetectorParams::default() }
+    };
+    assert!((time_factor(&with(7, 0), &with(14, 0), (640, 480)) - 2.0).abs() < 1e-5);
+    let finer = time_factor(&with(7, 0), &with(7, -1), (640, 480));
+    assert!((3.5..4.5).contains(&finer), "{finer}");
 }
 
 const SIZE: (usize, usize) = (160, 120);
@@ -90,18 +91,13 @@ fn report(cache: &ProbeCache, study: DecoyStudy) -> DecoyReport {
 }
 
 #[test]
-fn what_is_found_in_noise_alone_is_found_in_copies_as_often() {
-    let cache = cache(&burst(8, 0, Slope::default()), line(1.5));
-    let all = report(&cache, DecoyStudy { copies: 5, seed: 1 }).rates.swap_remove(0);
+fn noise_alone_is_found_in_copies_as_often_and_what_moves_clearly_rarely_as_strong() {
+    let noise = cache(&burst(8, 0, Slope::default()), line(1.5));
+    let all = report(&noise, DecoyStudy { copies: 5, seed: 1 }).rates.swap_remove(0);
     let (rate, error) = (all.rate.expect("found"), all.error.expect("found"));
     assert!(all.found > 100 && error < 0.12, "{all:?}");
     assert!((rate - 1.0).abs() < 3.0 * error, "{all:?}");
-}
-
-#[test]
-fn what_moves_clearly_is_rarely_found_in_copies_as_strong() {
-    let cache = cache(&burst(10, 12, Slope::new(2.0, 0.0)), line(5.0));
-    let report = report(&cache, DecoyStudy::default());
+    let report = report(&cache(&burst(10, 12, Slope::new(2.0, 0.0)), line(5.0)), DecoyStudy::default());
     let strong = report.rates.iter().rfind(|one| one.found >= 5).expect("blobs");
     assert!(strong.snr >= 10.0 && strong.rate < Some(0.4), "{report:?}");
     assert!(report.rates[0].rate > Some(0.6), "the ghosts of single frames are weak: {report:?}");
@@ -124,8 +120,7 @@ fn the_own_order_finds_what_was_found_and_a_maximum_number_hides_no_decoy() {
 
 #[test]
 fn decoys_that_a_filter_lets_through_are_counted_as_the_rates_are() {
-    let burst = burst(10, 12, Slope::new(2.0, 0.0));
-    let cache = cache(&burst, line(3.5));
+    let cache = cache(&burst(10, 12, Slope::new(2.0, 0.0)), line(3.5));
     let decoys = decoys(&cache.trail, &DecoyStudy::default(), true, &quiet()).expect("enough frames");
     assert_eq!(decoys.report, report(&cache, DecoyStudy::default()));
     let found = &cache.detection().features;
@@ -135,8 +130,7 @@ fn decoys_that_a_filter_lets_through_are_counted_as_the_rates_are() {
         decoys.among(&here, passes)
     };
     for rate in &decoys.report.rates {
-        let of_strong = among(&|feature, _| feature.snr >= rate.snr);
-        assert_eq!(of_strong.rates, [FalseRate { snr: 0.0, ..rate.clone() }]);
+        assert_eq!(among(&|feature, _| feature.snr >= rate.snr).rates, [FalseRate { snr: 0.0, ..rate.clone() }]);
     }
     assert_eq!(among(&|_, _| true).still, decoys.report.still);
     // Each decoy has one verdict, and what is real here is rarely found there.
@@ -148,9 +142,9 @@ fn decoys_that_a_filter_lets_through_are_counted_as_the_rates_are() {
 }
 
 #[test]
-fn where_the_number_of_features_is_limited_decoys_count_that_are_as_strong() {
-    let burst = burst(8, 8, Slope::new(1.5, 0.0));
-    let (all, few) = (cache(&burst, line(3.5)), cache(&burst, DetectorParams { max_features: 6, ..line(3.5) }));
+fn decoys_count_that_are_as_strong_and_without_motion_all_copies_tell_nothing() {
+    let moving = burst(8, 8, Slope::new(1.5, 0.0));
+    let (all, few) = (cache(&moving, line(3.5)), cache(&moving, DetectorParams { max_features: 6, ..line(3.5) }));
     let among = |cache: &ProbeCache| {
         let decoys = decoys(&cache.trail, &DecoyStudy::default(), true, &quiet()).expect("enough");
         let here: Vec<&Feature> = cache.detection().features.iter().collect();
@@ -159,17 +153,11 @@ fn where_the_number_of_features_is_limited_decoys_count_that_are_as_strong() {
     let (of_all, of_few) = (among(&all), among(&few));
     assert_eq!((of_few.found, of_all.found), (few.detection().features.len(), all.detection().features.len()));
     assert!(of_few.mean_in_copies() < of_all.mean_in_copies(), "{of_few:?} {of_all:?}");
-}
-
-#[test]
-fn without_motion_all_copies_are_alike_and_the_report_says_that_they_tell_nothing() {
     let slopes = SlopeGrid::single(Slope::default());
     let cache = cache(&burst(5, 8, Slope::default()), DetectorParams { slopes, ..line(3.5) });
     let report = report(&cache, DecoyStudy::default());
     assert!(report.rates[0].found > 8, "{report:?}");
-    for one in &report.rates {
-        assert_eq!(one.rate, (one.found > 0).then_some(1.0), "{one:?}");
-    }
+    assert!(report.rates.iter().all(|one| one.rate == (one.found > 0).then_some(1.0)), "{report:?}");
     assert!(report.sentence().starts_with("decoys say nothing here"), "{}", report.sentence());
 }
 
@@ -191,27 +179,32 @@ fn still_features_put_the_rates_in_doubt() {
 }
 
 #[test]
-fn one_seed_gives_one_report_of_decoys_on_any_number_of_threads() {
+fn one_seed_gives_one_report_of_decoys_on_any_number_of_threads_and_a_cancelled_search_none() {
     let cache = cache(&burst(6, 6, Slope::new(1.5, 0.0)), line(3.5));
     let on = |threads, seed| on_threads(threads, || report(&cache, DecoyStudy { copies: 2, seed }));
     let one = on(1, 7);
     assert_eq!(one, on(3, 7));
     assert_ne!(one, on(3, 8), "another seed is another order");
-}
-
-#[test]
-fn a_search_for_decoys_ends_when_it_is_cancelled() {
-    let cache = cache(&burst(5, 0, Slope::default()), line(5.0));
     let ended = decoys(&cache.trail, &DecoyStudy::default(), false, &cancelled());
     assert!(ended.as_ref().is_err_and(Error::is_cancelled), "{ended:?}");
 }
 
 #[test]
-fn each_test_has_names_of_its_own() {
+fn each_test_has_names_of_its_own_and_numbers_are_short_and_limits_are_rounded_to_the_passing_side() {
     let mut names = Test::ALL.map(|test| test.record().short);
     assert!(names.iter().all(|name| (1..=14).contains(&name.len())), "{names:?}");
     names.sort_unstable();
     assert!(names.windows(2).all(|two| two[0] != two[1]), "{names:?}");
+    assert_eq!(slope_text(Slope::new(-2.10, 0.0)), "−2.1");
+    assert_eq!(slope_text(Slope::new(1.0, -0.25)), "(1, −0.25)");
+    assert_eq!((number(-0.001, 2), number(100.0, 0)), ("0".to_owned(), "100".to_owned()));
+    assert_eq!((counted(1, "feature"), counted(2_345, "feature")), ("1 feature".into(), "2 345 features".into()));
+    let values = [4.643, 0.000_31, f64::INFINITY, 123_456.0, 0.0, -2.5].map(value_text);
+    assert_eq!(values, ["4.64", "3.1e−4", "∞", "123456", "0", "−2.5"]);
+    assert_eq!((sentence("élan is kept"), sentence("σ is 2")), ("Élan is kept.".into(), "Σ is 2.".into()));
+    assert_eq!((rounded_down(3.987, 2), rounded_up(3.912, 2)), (3.9, 4.0));
+    assert_eq!((rounded_down(0.003_19, 2), rounded_down(0.0, 2), rounded_down(812.0, 2)), (0.0031, 0.0, 810.0));
+    assert_eq!(rounded_down(3.9, 2), 3.9);
 }
 
 fn row(name: &str, features: usize, frame_noise: f32, fits: bool) -> FlightRow {
@@ -276,8 +269,7 @@ fn pairs_follow_the_bursts_the_weakest_first_and_a_burst_without_one_stands_out(
         FlightRow { verified_pairs, ..row(name, 99, 0.1, true) }
     });
     assert_eq!([0, 1, 2, 3].map(|index| rows[index].verified_pairs), [Some(21), Some(0), Some(1), None]);
-    let worst = worst_bursts(&rows);
-    assert_eq!(worst, [(&rows[1], "no verified pair with another burst".to_owned())]);
+    assert_eq!(worst_bursts(&rows), [(&rows[1], "no verified pair with another burst".to_owned())]);
     let page = flight_page(&rows, Some(&report));
     let html = page.text_for("f.HTML".as_ref()).expect("an ending of a page");
     let cells = "<td>b_1</td><td>b_3</td><td class=\"number\">103</td><td class=\"number\">0</td><td>the motions";
@@ -298,16 +290,11 @@ fn pairs_follow_the_bursts_the_weakest_first_and_a_burst_without_one_stands_out(
     ];
     assert!(in_order.map(place).is_sorted(), "{page}");
     assert!(!page.contains(r"b\_6 | 106"), "{page}");
-    assert!(
-        !flight_page(&rows[..1], None).markdown().contains("verified"),
-        "neither a column nor a part without pairs"
-    );
+    let without = flight_page(&rows[..1], None).markdown();
+    assert!(!without.contains("verified"), "neither a column nor a part without pairs");
     let none = ColmapReport { joined: Joined::of(&report.images[..2], &[]), ..ColmapReport::default() };
-    assert!(
-        flight_page(&rows[1..2], Some(&none))
-            .markdown()
-            .contains("## Pairs\n\n- No pair is verified\n\n0 pairs with a match")
-    );
+    let page = flight_page(&rows[1..2], Some(&none)).markdown();
+    says(page, &["## Pairs\n\n- No pair is verified\n\n0 pairs with a match"]);
 }
 
 /// Chart of one disc, and its search with a fixed gate.
@@ -322,8 +309,7 @@ fn searched(frames: usize, snr: f64, seed: u64) -> (ProbeCache, [f32; 2]) {
 }
 
 fn is_found((cache, place): &(ProbeCache, [f32; 2])) -> bool {
-    let near = |f: &Feature| (f.u - place[0]).hypot(f.v - place[1]) < 4.0;
-    cache.detection().features.iter().any(near)
+    cache.detection().features.iter().any(|f| (f.u - place[0]).hypot(f.v - place[1]) < 4.0)
 }
 
 #[test]
@@ -356,18 +342,7 @@ fn the_burst_that_the_outlook_asks_for_is_made_and_the_thing_is_found() {
 }
 
 #[test]
-fn a_price_says_what_happens_to_this_one_and_how_many_others_there_are_then() {
-    let price = |now, then, own| Price { now, then, own }.sentence();
-    assert_eq!(price(10, 1_111, Some((0, 1))), "keeps this one, and 1 100 more");
-    assert_eq!(price(10, 11, Some((0, 1))), "keeps this one, and as many others as now");
-    assert_eq!(price(10, 7, Some((2, 0))), "removes this one, and 1 other");
-    assert_eq!(price(10, 9, Some((0, 1))), "keeps this one, and 2 fewer others");
-    assert_eq!(price(10, 12, Some((0, 0))), "does not keep this one, and 2 more");
-    assert_eq!([price(3, 5, None), price(3, 3, None)], ["2 more features", "the number of features stays"]);
-}
-
-#[test]
-fn prices_are_what_the_search_finds_with_the_change() {
+fn prices_are_what_the_search_finds_with_the_change_and_what_they_say() {
     let chart = ChartParams { width: 240, height: 180, discs: 20, frames: 7, snr: 0.5, ..ChartParams::default() };
     let (burst, _) = synth_chart(&chart, &quiet()).expect("a chart");
     let slopes = SlopeGrid::line(-3.0..=3.0, 9);
@@ -400,26 +375,17 @@ fn prices_are_what_the_search_finds_with_the_change() {
         let own_then = (0..found.then).filter(|rank| sample_of(&after, *rank) == sample).count();
         assert_eq!(found.own.map(|own| own.1), Some(own_then), "{change:?}");
     }
-}
-
-#[test]
-fn twice_the_slopes_take_twice_the_time() {
-    let with = |count, first_octave| DetectorParams {
-        slopes: SlopeGrid::line(-3.0..=3.0, count),
-        first_octave,
-        ..DetectorParams::default()
-    };
-    assert!((time_factor(&with(7, 0), &with(14, 0), (640, 480)) - 2.0).abs() < 1e-5);
-    let finer = time_factor(&with(7, 0), &with(7, -1), (640, 480));
-    assert!((3.5..4.5).contains(&finer), "{finer}");
-}
-
-#[test]
-fn the_error_of_a_depth_grows_with_the_depth() {
-    let set_up = SetUp::default();
-    let at = |u: f32| set_up.depth_with_error(Slope::new(u, 0.0), 0.25);
-    // 2.5 px/frame are 8 m: a tenth of the slope is a tenth of the depth.
-    assert_eq!((at(-2.5), at(-5.0), at(1.0)), (Some([8.0, 0.8]), Some([4.0, 0.2]), None));
+    for (now, then, own, words) in [
+        (10, 1_111, Some((0, 1)), "keeps this one, and 1 100 more"),
+        (10, 11, Some((0, 1)), "keeps this one, and as many others as now"),
+        (10, 7, Some((2, 0)), "removes this one, and 1 other"),
+        (10, 9, Some((0, 1)), "keeps this one, and 2 fewer others"),
+        (10, 12, Some((0, 0)), "does not keep this one, and 2 more"),
+        (3, 5, None, "2 more features"),
+        (3, 3, None, "the number of features stays"),
+    ] {
+        assert_eq!(Price { now, then, own }.sentence(), words);
+    }
 }
 
 proptest! {
@@ -438,8 +404,7 @@ proptest! {
     ) {
         let set_up = SetUp { speed_m_s: speed, direction_deg: direction, turn_deg_s: turn, ..SetUp::default() };
         let slopes = set_up.slopes(&Positions::even(10), &DetectorParams::default()).expect("few enough");
-        let depth = 1.0 / (1.0 / 8.0 + part * (1.0 - 1.0 / 8.0));
-        let slope = set_up.slope_at(depth);
+        let slope = set_up.slope_at(1.0 / (1.0 / 8.0 + part * (1.0 - 1.0 / 8.0)));
         let (i, _) = slopes.grid.position(slope);
         let nearest = slopes.grid.at(i.round(), 0.0);
         let apart = (nearest.u - slope.u).hypot(nearest.v - slope.v);
@@ -449,8 +414,9 @@ proptest! {
 }
 
 #[test]
-fn nonsense_in_a_set_up_is_named_with_its_remedy() {
+fn nonsense_in_a_set_up_is_named_and_the_error_of_a_depth_grows_with_the_depth() {
     let good = SetUp::default();
+    let slopes = |set_up: SetUp| set_up.slopes(&Positions::even(10), &DetectorParams::default());
     for (set_up, start) in [
         (SetUp { speed_m_s: -1.0, ..good }, "speed: "),
         (SetUp { frames_per_second: 0.0, ..good }, "fps: "),
@@ -461,11 +427,13 @@ fn nonsense_in_a_set_up_is_named_with_its_remedy() {
         (SetUp { direction_deg: 1e9, ..good }, "direction: "),
         (SetUp { depth_m: [1.0, 1e9], ..good }, "depth: "),
     ] {
-        let error = set_up.slopes(&Positions::even(10), &DetectorParams::default()).expect_err(start);
-        assert!(error.starts_with(start), "{error}");
+        assert!(slopes(set_up).is_err_and(|error| error.starts_with(start)), "{start}");
     }
-    let options = good.slopes(&Positions::even(10), &DetectorParams::default()).expect("valid").options();
+    let options = slopes(good).expect("valid").options();
     assert!(options.starts_with("--slopes-u -") && !options.contains("--slopes-v"), "{options}");
+    let at = |u: f32| good.depth_with_error(Slope::new(u, 0.0), 0.25);
+    // 2.5 px/frame are 8 m: a tenth of the slope is a tenth of the depth.
+    assert_eq!((at(-2.5), at(-5.0), at(1.0)), (Some([8.0, 0.8]), Some([4.0, 0.2]), None));
 }
 
 fn picture(frames: usize) -> Plane {
@@ -492,7 +460,7 @@ fn the_ratio_of_a_spot_is_what_is_there_grows_with_the_root_of_the_frames_and_is
 }
 
 #[test]
-fn a_grating_has_its_period_in_its_direction_and_noise_has_none() {
+fn a_grating_has_its_period_noise_has_none_and_the_kernel_is_one_at_whole_periods() {
     let mut noise = Stream::new(8, 0);
     for period in [5.0f32, 8.3, 13.0] {
         let plane = Plane::from_fn(160, 120, |u, _| {
@@ -507,35 +475,14 @@ fn a_grating_has_its_period_in_its_direction_and_noise_has_none() {
         assert_eq!(period_along(&plane, [80.0, 60.0], [1.0, 0.0], 40), None);
     }
     let blob = Plane::from_fn(160, 120, |u, v| (-((u as f32 - 80.0).powi(2) + (v as f32 - 60.0).powi(2)) / 50.0).exp());
-    assert_eq!(period_along(&blob, [80.0, 60.0], [1.0, 0.0], 40), None);
-    // Outside the plane there is no texture.
-    assert_eq!(period_along(&blob, [-90.0, 60.0], [1.0, 0.0], 40), None);
-}
-
-#[test]
-fn the_kernel_is_one_at_whole_periods_and_small_between() {
+    // Nor is there any outside the plane.
+    for place in [[80.0, 60.0], [-90.0, 60.0]] {
+        assert_eq!(period_along(&blob, place, [1.0, 0.0], 40), None);
+    }
     assert!((dirichlet(10, 8.0, 0.0) - 1.0).abs() < 1e-12 && (dirichlet(10, 8.0, 16.0) - 1.0).abs() < 1e-9);
     // The first zero lies p/N from the peak.
     assert!(dirichlet(10, 8.0, 0.8) < 1e-9);
     // The first side lobe of a mean of ten is about 0.22 high.
     let lobe = (81..160).map(|i| dirichlet(10, 8.0, f64::from(i) * 0.01)).fold(0.0, f64::max);
     assert!((lobe - 0.22).abs() < 0.01, "{lobe}");
-}
-
-#[test]
-fn numbers_are_short() {
-    assert_eq!(slope_text(Slope::new(-2.10, 0.0)), "−2.1");
-    assert_eq!(slope_text(Slope::new(1.0, -0.25)), "(1, −0.25)");
-    assert_eq!((number(-0.001, 2), number(100.0, 0)), ("0".to_owned(), "100".to_owned()));
-    assert_eq!((counted(1, "feature"), counted(2_345, "feature")), ("1 feature".into(), "2 345 features".into()));
-    let values = [4.643, 0.000_31, f64::INFINITY, 123_456.0, 0.0, -2.5].map(value_text);
-    assert_eq!(values, ["4.64", "3.1e−4", "∞", "123456", "0", "−2.5"]);
-    assert_eq!((sentence("élan is kept"), sentence("σ is 2")), ("Élan is kept.".into(), "Σ is 2.".into()));
-}
-
-#[test]
-fn limits_are_rounded_to_the_passing_side() {
-    assert_eq!((rounded_down(3.987, 2), rounded_up(3.912, 2)), (3.9, 4.0));
-    assert_eq!((rounded_down(0.003_19, 2), rounded_down(0.0, 2), rounded_down(812.0, 2)), (0.0031, 0.0, 810.0));
-    assert_eq!(rounded_down(3.9, 2), 3.9);
 }

@@ -1,15 +1,11 @@
 //! Tests of the public functions of `matching`.
 
 use crate::prelude::*;
-use burstscope_core::matching::align::solve::*;
-use burstscope_core::matching::camera::*;
-use burstscope_core::matching::geometry::RelativePose;
-use burstscope_core::matching::*;
+use burstscope_core::matching::{align::solve::*, camera::*, geometry::RelativePose, *};
 use nalgebra::{Rotation3, Vector2, Vector3};
-use proptest::prelude::*;
 
 #[test]
-fn ratios_are_of_each_images_own_keypoints_and_never_divided_by_zero() {
+fn ratios_are_of_each_images_own_keypoints_and_those_of_its_pairs_are_added_up() {
     let counts =
         MatchCounts { keypoints_a: 100, keypoints_b: 200, putative: 40, inliers: Some(30), ..MatchCounts::default() };
     assert_eq!(counts.keypoints_per_image(), 150.0);
@@ -20,10 +16,6 @@ fn ratios_are_of_each_images_own_keypoints_and_never_divided_by_zero() {
     assert_eq!((none.match_ratio(), none.match_score(), none.inlier_ratio()), (0.0, Some(0.0), None));
     let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, ..MatchCounts::default() };
     assert_eq!((unverified.match_ratio(), unverified.match_score(), unverified.inlier_ratio()), (1.0, None, None));
-}
-
-#[test]
-fn an_images_matches_with_all_others_are_added_up() {
     let counts = |putative, inliers| MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() };
     let pairs = [((0, 1), counts(4, 3)), ((0, 2), counts(6, 0))];
     let all = ImageCounts::of(&[10, 8, 0], &pairs).expect("three images");
@@ -37,7 +29,7 @@ fn an_images_matches_with_all_others_are_added_up() {
 }
 
 #[test]
-fn pairs_are_in_order_and_each_is_there_once() {
+fn pairs_are_in_order_and_each_is_there_once_and_orientations_of_one_place_move_together() {
     assert_eq!(PairSelection::All.pairs(4), [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]);
     assert_eq!(PairSelection::Sequential(2).pairs(4), [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3)]);
     assert_eq!(PairSelection::Sequential(usize::MAX).pairs(3).len(), 3);
@@ -48,6 +40,8 @@ fn pairs_are_in_order_and_each_is_there_once() {
     for bad in ["", "some", "sequential", "sequential:0", "sequential:-1", "sequential:x", "near:0", "near", "all:1"] {
         assert!(bad.parse::<PairSelection>().is_err(), "{bad}");
     }
+    let features = [[1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [1.0, 2.0, 3.5], [9.0, 2.0, 3.0], [1.0, 2.0, 3.0]];
+    assert_eq!(Places::of(features), Places { of_feature: vec![0, 0, 1, 2, 0], first: vec![0, 2, 3] });
 }
 
 /// A descriptor that is far from those of other numbers, and this near to its own.
@@ -78,8 +72,7 @@ fn each_image_is_paired_with_those_that_most_of_its_features_vote_for() {
         let many = if image == 0 { vec![descriptor(4, 5); VOTERS] } else { Vec::new() };
         Ok([&many[..], &images[image]].concat())
     };
-    let chosen = PairSelection::Near(1).pairs_by(4, filled, &quiet());
-    assert_eq!(chosen, Ok(vec![(0, 2), (1, 2), (2, 3)]));
+    assert_eq!(PairSelection::Near(1).pairs_by(4, filled, &quiet()), Ok(vec![(0, 2), (1, 2), (2, 3)]));
     let unasked = |image: usize| -> Result<Vec<Descriptor>, Cancelled> { panic!("the features of {image}") };
     assert_eq!(PairSelection::Sequential(1).pairs_by(3, unasked, &quiet()), Ok(vec![(0, 1), (1, 2)]));
 }
@@ -102,33 +95,35 @@ proptest! {
     }
 }
 
-#[test]
-fn orientations_of_one_place_move_together() {
-    let features = [[1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [1.0, 2.0, 3.5], [9.0, 2.0, 3.0], [1.0, 2.0, 3.0]];
-    let places = Places::of(features);
-    assert_eq!(places, Places { of_feature: vec![0, 0, 1, 2, 0], first: vec![0, 2, 3] });
-}
-
 fn opencv() -> Camera {
     "OPENCV 640 480 500 510 321 239 -0.28 0.07 0.0002 -0.0004".parse().expect("a camera")
 }
 
 #[test]
-fn the_first_pixels_centre_is_half_a_pixel_in() {
+fn pixels_centres_are_half_a_pixel_in_and_each_model_sees_what_it_sees_in_colmap() {
     let camera: Camera = "PINHOLE,640,480,500,400,320.5,240.5".parse().expect("a camera");
     assert_eq!(camera.direction_of([320.0, 240.0]), [0.0, 0.0]);
     assert_eq!(camera.pixel_of([1.0, -0.5]), [820.0, 40.0]);
     assert_eq!(Camera::centred(640, 480, 500.0).direction_of([319.5, 239.5]), [0.0, 0.0]);
-}
-
-#[test]
-fn distortion_is_that_of_opencv() {
     // By hand at (x, y) = (0.3, −0.2): r² = 0.13, radial 1 − 0.28·0.13 + 0.07·0.0169.
     let radial = 1.0 - 0.28 * 0.13 + 0.07 * 0.0169;
     let x = 0.3 * radial + 2.0 * 0.0002 * -0.06 - 0.0004 * (0.13 + 0.18);
     let y = -0.2 * radial + 0.0002 * (0.13 + 0.08) + 2.0 * -0.0004 * -0.06;
     let [u, v] = opencv().pixel_of([0.3, -0.2]);
     assert!((u - (500.0 * x + 320.5)).abs() < 1e-9 && (v - (510.0 * y + 238.5)).abs() < 1e-9);
+    for (text, [u_0, v_0, u_1, v_1]) in SEEN_BY_COLMAP {
+        let camera: Camera = text.parse().expect("a camera");
+        assert!(!camera.is_straight());
+        for (direction, [u, v]) in [([0.4, -0.3], [u_0, v_0]), ([-0.05, 0.6], [u_1, v_1])] {
+            let at = camera.pixel_of(direction);
+            assert!((at[0] + 0.5 - u).abs() < 1e-6 && (at[1] + 0.5 - v).abs() < 1e-6, "{text}: {at:?}");
+            let [x, y] = camera.direction_of(at);
+            assert!((x - direction[0]).abs() < 1e-9 && (y - direction[1]).abs() < 1e-9, "{text}: {x} {y}");
+        }
+        assert_eq!(camera.pixel_of([0.0, 0.0]), [camera.matrix()[(0, 2)], camera.matrix()[(1, 2)]]);
+    }
+    let numbers: Vec<u32> = CameraModel::ALL.iter().map(|model| model.id()).collect();
+    assert_eq!(numbers, (0..12).collect::<Vec<u32>>());
 }
 
 /// Where pycolmap 4.2.1 sees (0.4, −0.3, 1) and (−0.05, 0.6, 1), in COLMAP's convention.
@@ -145,23 +140,6 @@ const SEEN_BY_COLMAP: [(&str, [f64; 4]); 8] = [
 ];
 
 #[test]
-fn each_model_of_colmap_sees_what_it_sees_there_and_is_undone() {
-    for (text, [u_0, v_0, u_1, v_1]) in SEEN_BY_COLMAP {
-        let camera: Camera = text.parse().expect("a camera");
-        assert!(!camera.is_straight());
-        for (direction, [u, v]) in [([0.4, -0.3], [u_0, v_0]), ([-0.05, 0.6], [u_1, v_1])] {
-            let at = camera.pixel_of(direction);
-            assert!((at[0] + 0.5 - u).abs() < 1e-6 && (at[1] + 0.5 - v).abs() < 1e-6, "{text}: {at:?}");
-            let [x, y] = camera.direction_of(at);
-            assert!((x - direction[0]).abs() < 1e-9 && (y - direction[1]).abs() < 1e-9, "{text}: {x} {y}");
-        }
-        assert_eq!(camera.pixel_of([0.0, 0.0]), [camera.matrix()[(0, 2)], camera.matrix()[(1, 2)]]);
-    }
-    let numbers: Vec<u32> = CameraModel::ALL.iter().map(|model| model.id()).collect();
-    assert_eq!(numbers, (0..12).collect::<Vec<u32>>());
-}
-
-#[test]
 fn a_field_of_view_has_no_sign_and_none_bends_nothing() {
     let seen = |omega: &str| {
         let camera: Camera = format!("FOV 640 480 400 410 320 240 {omega}").parse().expect("a camera");
@@ -170,20 +148,21 @@ fn a_field_of_view_has_no_sign_and_none_bends_nothing() {
     assert_eq!(seen("-0.9"), seen("0.9"));
     let straight: Camera = "PINHOLE 640 480 400 410 320 240".parse().expect("a camera");
     assert_eq!(seen("0"), straight.pixel_of([0.4, -0.3]));
-}
-
-#[test]
-fn beyond_the_edge_of_a_fisheye_nothing_is_endless() {
-    for model in ["OPENCV_FISHEYE 640 480 100 100 320 240 0 0 0 0", "FOV 640 480 100 100 320 240 1.5"] {
+    // Nor is anything endless beyond the edge of a fisheye, or with hopeless distortion.
+    for model in [
+        "OPENCV_FISHEYE 640 480 100 100 320 240 0 0 0 0",
+        "FOV 640 480 100 100 320 240 1.5",
+        "SIMPLE_RADIAL 640 480 100 320 240 -3",
+    ] {
         let camera: Camera = model.parse().expect("a camera");
-        for pixel in [[0.0, 0.0], [639.0, 479.0], [320.0, 479.0]] {
+        for pixel in [[0.0, 0.0], [639.0, 479.0], [320.0, 479.0], [1e6, -1e6], [320.0, 0.0]] {
             assert!(camera.direction_of(pixel).iter().all(|x| x.is_finite()), "{model}");
         }
     }
 }
 
 #[test]
-fn a_camera_is_read_back_from_text_and_nonsense_says_what_is_right() {
+fn a_camera_is_read_back_from_text_and_nonsense_says_what_is_right_and_files_hold_it_by_colmaps_names() {
     for text in ["SIMPLE_PINHOLE 8 6 5 4 3", "SIMPLE_RADIAL 8 6 5 4 3 -0.1", &opencv().to_string()] {
         assert_eq!(text.parse::<Camera>().expect("a camera").to_string(), text);
     }
@@ -199,19 +178,11 @@ fn a_camera_is_read_back_from_text_and_nonsense_says_what_is_right() {
     ] {
         says(text.parse::<Camera>().expect_err(words), &[words]);
     }
-}
-
-#[test]
-fn files_hold_it_by_colmaps_names_and_hopeless_distortion_ends_without_nan() {
     let text = toml::to_string(&opencv()).expect("plain values");
     assert!(text.contains("model = \"OPENCV\""), "{text}");
     assert_eq!(toml::from_str::<Camera>(&text), Ok(opencv()));
     for model in CameraModel::ALL {
         assert_eq!(serde_json::to_value(model).ok(), Some(serde_json::Value::from(model.name())));
-    }
-    let camera: Camera = "SIMPLE_RADIAL 640 480 100 320 240 -3".parse().expect("a camera");
-    for pixel in [[0.0, 0.0], [1e6, -1e6], [320.0, 0.0]] {
-        assert!(camera.direction_of(pixel).iter().all(|x| x.is_finite()));
     }
 }
 
@@ -320,7 +291,7 @@ fn each_image_has_its_own_camera() {
 }
 
 #[test]
-fn hopeless_input_has_no_model_and_no_nan() {
+fn hopeless_input_has_no_model_and_no_nan_and_random_matches_do_not_pass_for_a_geometry() {
     let mut random = Stream::new(0, 10);
     let place = |random: &mut Stream| [random.within(0.0, 639.0), random.within(0.0, 479.0)];
     let mut inputs: Vec<Vec<PointPair>> = (0..9)
@@ -353,10 +324,6 @@ fn hopeless_input_has_no_model_and_no_nan() {
     let still: Vec<PointPair> = (0..40).map(|_| place(&mut random)).map(|a| PointPair { a, b: a, rank: 0.0 }).collect();
     assert_eq!(verified(&still, &params(Geometry::Homography)).inlier_count(), 40);
     assert_eq!(verify(&still, None, &params(Geometry::None), &quiet()), Ok(None));
-}
-
-#[test]
-fn random_matches_do_not_pass_for_a_geometry() {
     for seed in 0..5 {
         let (pairs, _) = scene(&mut Stream::new(0, 400 + seed), [&camera(), &camera()], (0, 60));
         for geometry in [Geometry::Fundamental, Geometry::Essential, Geometry::Homography] {
@@ -366,11 +333,10 @@ fn random_matches_do_not_pass_for_a_geometry() {
 }
 
 #[test]
-fn the_defaults_are_valid_and_survive_a_file() {
+fn the_defaults_are_valid_and_survive_a_file_and_a_pair_has_the_cameras_of_its_images_or_none() {
     let params = MatchParams::default();
     assert_eq!(params.validate(), Ok(()));
-    let text = toml::to_string(&params).expect("plain values");
-    assert_eq!(toml::from_str(&text), Ok(params));
+    assert_eq!(toml::from_str(&toml::to_string(&params).expect("plain values")), Ok(params));
     assert!(toml::from_str::<MatchParams>("ration = 0.7").is_err());
     let params = MatchParams { camera: Some(Camera::centred(8, 6, 5.0)), ..MatchParams::default() };
     let table = toml::Table::try_from(params).expect("plain values");
@@ -382,10 +348,6 @@ fn the_defaults_are_valid_and_survive_a_file() {
     for geometry in Geometry::ALL {
         assert_eq!(serde_json::to_value(geometry).ok(), Some(serde_json::Value::from(geometry.word())));
     }
-}
-
-#[test]
-fn a_pair_has_the_cameras_of_its_images_or_none() {
     let [a, b] = [5.0, 7.0].map(|focal_px| Camera::centred(8, 6, focal_px));
     let all = MatchParams { geometry: Geometry::Essential, camera: Some(b.clone()), ..MatchParams::default() };
     let with = |a, b| all.with_cameras(a, b);

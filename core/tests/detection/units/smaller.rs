@@ -1,11 +1,10 @@
 //! Tests of the public functions of `files`, `monitor` and `plane`.
 
 use crate::prelude::*;
-use burstscope_core::files::mark::*;
-use burstscope_core::plane::blur::*;
+use burstscope_core::{files::mark::*, plane::blur::*};
 
 #[test]
-fn a_folder_is_ours_as_long_as_nobody_changes_it() {
+fn a_folder_is_ours_until_it_is_changed_and_claims_come_back_whole_or_not_at_all() {
     let home = folder();
     let at = |name: &str| home.join(name);
     fs::create_dir(at("deep")).expect("made");
@@ -32,10 +31,6 @@ fn a_folder_is_ours_as_long_as_nobody_changes_it() {
         fs::write(at(OutputKind::Burst.file()), wrong).expect("written");
         assert!(!is_ours(OutputKind::Burst) && !has_mark(&at(OutputKind::Burst.file()), false));
     }
-}
-
-#[test]
-fn claims_come_back_with_all_their_digits_or_not_at_all() {
     let home = folder();
     // Numbers whose last digit a reader of JSON may lose.
     let numbers: Vec<f64> = (1..200).map(|n| (n as f64).sqrt() * 1e-7).collect();
@@ -47,17 +42,13 @@ fn claims_come_back_with_all_their_digits_or_not_at_all() {
 }
 
 #[test]
-fn clones_and_silent_monitors_share_the_cancel_flag() {
+fn monitors_share_the_cancel_flag_and_a_part_tells_its_progress_as_one_of_the_whole() {
     let monitor = Monitor::with_listener(|_| panic!("nobody is to hear of this"));
     let silent = monitor.clone().silent();
     silent.report(Stage::Evaluate, 0.5);
     assert_eq!(monitor.check(), Ok(()));
     silent.cancel();
     assert_eq!(monitor.check(), Err(Cancelled));
-}
-
-#[test]
-fn a_part_tells_its_progress_as_a_part_of_the_whole() {
     let heard = Arc::new(std::sync::Mutex::new(Vec::new()));
     let sink = heard.clone();
     let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push(p.fraction));
@@ -70,7 +61,7 @@ fn a_part_tells_its_progress_as_a_part_of_the_whole() {
 }
 
 #[test]
-fn kernels_sum_to_one_and_reach_four_sigma() {
+fn kernels_sum_to_one_and_reach_four_sigma_and_smoothing_for_looking_at_is_the_blur_and_leaves_out_nan() {
     for sigma in [0.3, 1.0, 1.6, 3.09] {
         let kernel = GaussianKernel::new(sigma);
         let sum = kernel.half()[0] + 2.0 * kernel.half()[1..].iter().sum::<f32>();
@@ -78,10 +69,6 @@ fn kernels_sum_to_one_and_reach_four_sigma() {
         assert_eq!(kernel.radius(), (4.0 * sigma).ceil() as usize);
     }
     assert_eq!(GaussianKernel::new(0.0).half(), &[1.0]);
-}
-
-#[test]
-fn smoothing_for_looking_at_is_the_blur_and_leaves_out_nan() {
     let noise = |u: usize, v: usize| ((u * 7919 + v * 104_729) % 1000) as f32 / 1000.0;
     let plane = Plane::from_fn(53, 31, noise);
     let monitor = Monitor::default();
@@ -102,7 +89,7 @@ fn smoothing_for_looking_at_is_the_blur_and_leaves_out_nan() {
 }
 
 #[test]
-fn a_transposed_frame_is_filled_as_the_frame_is() {
+fn a_transposed_frame_is_filled_as_the_frame_is_and_one_of_everything_with_nothing() {
     let mut noise = Stream::new(5, 0);
     let frame = Plane::from_fn(53, 38, |_, _| noise.normal() as f32);
     let transposed = |plane: &Plane| Plane::from_fn(plane.height(), plane.width(), |u, v| plane.at(v, u));
@@ -112,10 +99,6 @@ fn a_transposed_frame_is_filled_as_the_frame_is() {
     let apart = transposed(&one).data().iter().zip(other.data()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(apart < 1e-5, "{apart}");
     assert_eq!(transposed(one.mask().expect("masked").weights()), *other.mask().expect("masked").weights());
-}
-
-#[test]
-fn a_mask_of_nothing_is_none_and_one_of_everything_fills_with_nothing() {
     assert_eq!(Mask::new(Plane::from_fn(9, 7, |_, _| 1.0)), None);
     let blind = Plane::from_fn(9, 7, |_, _| f32::NAN).masked(Mask::new(Plane::zeros(9, 7)));
     assert!(blind.data().iter().all(|x| *x == 0.0));

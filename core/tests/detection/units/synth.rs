@@ -1,10 +1,7 @@
 //! Tests of the public functions of `synth`.
 
 use crate::prelude::*;
-use burstscope_core::detector::stack::motion_stack;
-use burstscope_core::synth::noise::*;
-use burstscope_core::synth::paint::*;
-use burstscope_core::synth::random::*;
+use burstscope_core::{detector::stack::motion_stack, synth::noise::*, synth::paint::*, synth::random::*};
 
 #[test]
 fn an_arm_stands_still_and_hides_what_lies_behind_it() {
@@ -31,7 +28,7 @@ fn small_chart() -> ChartParams {
 }
 
 #[test]
-fn nonsense_in_a_chart_is_named_with_its_remedy() {
+fn nonsense_in_a_chart_or_a_scene_is_named_with_its_remedy() {
     for (params, name) in [
         (ChartParams { discs: 5000, ..small_chart() }, "discs"),
         (ChartParams { radius: 5.0..=3.0, ..small_chart() }, "radius"),
@@ -50,6 +47,15 @@ fn nonsense_in_a_chart_is_named_with_its_remedy() {
         assert!(error.starts_with(&format!("{name}: ")), "{error}");
     }
     assert!(synth_chart(&small_chart(), &cancelled()).is_err_and(|error| error.is_cancelled()));
+    for (params, name) in [
+        (SceneParams { layers: 0, ..small_scene() }, "layers"),
+        (SceneParams { layers: 99, ..small_scene() }, "layers"),
+        (SceneParams { snr: 0.01, ..small_scene() }, "snr"),
+        (SceneParams { height: 1, ..small_scene() }, "height"),
+    ] {
+        let error = synth_scene(&params, &quiet()).expect_err(name).to_string();
+        assert!(error.starts_with(name), "{error}");
+    }
 }
 
 #[test]
@@ -69,18 +75,16 @@ fn each_disc_is_where_the_truth_says_in_every_frame() {
             if truth.features.iter().any(is_near) {
                 continue;
             }
-            let reach = disc.radius + 2.0;
-            let (mut mass, mut mu, mut mv) = (0.0, 0.0, 0.0);
-            for y in (v - reach).ceil() as usize..=(v + reach) as usize {
-                for x in (u - reach).ceil() as usize..=(u + reach) as usize {
-                    let w = f64::from(frame.at(x, y)) - background;
-                    mass += w;
-                    mu += w * x as f64;
-                    mv += w * y as f64;
-                }
+            let span = |at: f64| (at - disc.radius - 2.0).ceil() as usize..=(at + disc.radius + 2.0) as usize;
+            let (mut mass, mut moment) = (0.0, [0.0; 2]);
+            for (x, y) in span(v).flat_map(|y| span(u).map(move |x| (x, y))) {
+                let w = f64::from(frame.at(x, y)) - background;
+                mass += w;
+                moment = [moment[0] + w * x as f64, moment[1] + w * y as f64];
             }
-            assert!((mu / mass - u).abs() < 0.01, "frame {t}, disc {}: u {} for {u}", disc.id, mu / mass);
-            assert!((mv / mass - v).abs() < 0.01, "frame {t}, disc {}: v {} for {v}", disc.id, mv / mass);
+            let middle = moment.map(|sum| sum / mass);
+            let off = (middle[0] - u).abs().max((middle[1] - v).abs());
+            assert!(off < 0.01, "frame {t}, disc {}: {middle:?} for {u}, {v}", disc.id);
             let area = mass / (params.exposure().expect("valid").disc - background + truth.black_level);
             let true_area = std::f64::consts::PI * disc.radius * disc.radius;
             assert!((area / true_area - 1.0).abs() < 2e-3, "area {area} for {true_area}");
@@ -91,20 +95,11 @@ fn each_disc_is_where_the_truth_says_in_every_frame() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_bits_for_any_number_of_threads() {
+fn a_seed_gives_the_same_bits_for_ever_and_discs_keep_their_distance_and_stay_inside() {
     let made = |seed: u64| synth_chart(&ChartParams { seed, ..small_chart() }, &quiet()).expect("a chart");
-    let make = |threads, seed| on_threads(threads, || made(seed));
-    let (one, truth_one) = make(1, 3);
-    let (four, truth_four) = make(4, 3);
-    let (other, truth_other) = make(4, 4);
-    assert_eq!(one.frames, four.frames);
-    assert_eq!(truth_one, truth_four);
-    assert_ne!(one.frames, other.frames);
-    assert_ne!(truth_one.features, truth_other.features);
-}
-
-#[test]
-fn discs_keep_their_distance_and_stay_inside() {
+    let [one, four, other] = [(1, 3), (4, 3), (4, 4)].map(|(threads, seed)| on_threads(threads, || made(seed)));
+    assert_eq!((&one.0.frames, &one.1), (&four.0.frames, &four.1));
+    assert!(one.0.frames != other.0.frames && one.1.features != other.1.features);
     let params = ChartParams { motion: Motion::TwoD, frames: 10, ..ChartParams::default() };
     let discs = synth_chart(&params, &quiet()).expect("they fit").1.features;
     assert_eq!(discs.len(), 90);
@@ -118,17 +113,11 @@ fn discs_keep_their_distance_and_stay_inside() {
             assert!((a.u - b.u).hypot(a.v - b.v) >= a.radius + b.radius + params.gap);
         }
     }
-}
-
-#[test]
-fn the_first_disc_of_a_seed_is_fixed_for_ever() {
     // Published tables use these charts.
     let first = synth_chart(&ChartParams::default(), &quiet()).expect("they fit").1.features[0];
-    assert_eq!([first.radius, first.u, first.v, first.slope_u], FIRST_DISC_OF_SEED_1);
+    let expected = [18.941_430_711_460_43, 124.522_301_286_314_56, 42.249_995_958_163_68, 2.564_286_188_923_249_6];
+    assert_eq!([first.radius, first.u, first.v, first.slope_u], expected);
 }
-
-const FIRST_DISC_OF_SEED_1: [f64; 4] =
-    [18.941_430_711_460_43, 124.522_301_286_314_56, 42.249_995_958_163_68, 2.564_286_188_923_249_6];
 
 #[test]
 fn the_truth_lies_in_the_picture_and_moves_as_its_layer() {
@@ -167,31 +156,30 @@ fn the_examples_and_the_demo_are_what_they_say_and_the_same_everywhere() {
         let word = (f64::from(x) * 65535.0).round() as u64;
         (hash ^ word).wrapping_mul(0x0100_0000_01b3)
     });
-    assert_eq!(checksum, DEMO, "the demo changed; if that is meant, change the number here");
+    assert_eq!(checksum, 17_673_008_048_598_753_493, "the demo changed; if that is meant, change the number here");
     let truth = demo_truth();
     assert!(truth.layers.len() == 4 && truth.features.len() >= 40, "{} landmarks", truth.features.len());
 }
-
-const DEMO: u64 = 17_673_008_048_598_753_493;
 
 fn expose(camera: &Camera, signal: &Plane, seed: u64) -> Plane {
     camera.capture(signal, &mut Stream::new(seed, 1), &quiet()).expect("not cancelled")
 }
 
-fn statistics(plane: &Plane) -> (f64, f64) {
-    let n = plane.data().len() as f64;
-    let mean = plane.data().iter().map(|&x| f64::from(x)).sum::<f64>() / n;
-    (mean, plane.data().iter().map(|&x| (f64::from(x) - mean).powi(2)).sum::<f64>() / n)
+/// Mean and variance.
+fn moments(samples: impl Iterator<Item = f64>) -> (f64, f64) {
+    let values: Vec<f64> = samples.collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    (mean, values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64)
 }
 
 #[test]
-fn mean_and_variance_follow_the_model() {
+fn mean_variance_and_snr_follow_the_model_and_rounding_keeps_to_the_levels() {
     const SIDE: usize = 500;
     for (electrons, signal, bits) in [(60.0, 0.05, 12), (300.0, 0.2, 8), (15_000.0, 0.3, 12), (40.0, 0.1, 10)] {
         let (full_scale_electrons, bits) = (electrons, Some(bits));
         let camera = Camera { full_scale_electrons, read_noise_electrons: 3.0, black_level: 0.45, bits };
         let frame = expose(&camera, &Plane::from_fn(SIDE, SIDE, |_, _| signal as f32), 2);
-        let (mean, variance) = statistics(&frame);
+        let (mean, variance) = moments(frame.data().iter().map(|&x| f64::from(x)));
         let n = (SIDE * SIDE) as f64;
         let sigma = camera.sigma(signal);
         assert!((mean - 0.45 - signal).abs() < 5.0 * sigma / n.sqrt(), "{electrons}: mean {mean}");
@@ -199,10 +187,6 @@ fn mean_and_variance_follow_the_model() {
         let error = (2.2 / n).sqrt() * sigma * sigma;
         assert!((variance - sigma * sigma).abs() < 5.0 * error, "{electrons}: {variance} for {}", sigma * sigma);
     }
-}
-
-#[test]
-fn the_snr_asked_for_is_the_snr_of_the_model() {
     for snr in [0.05, 0.2, 0.35, 1.0, 5.0, 20.0] {
         for read_noise in [0.0, 3.0] {
             let camera = Camera::for_snr(snr, 0.1, 0.12, read_noise, 0.02, 12).expect("within reach");
@@ -215,15 +199,8 @@ fn the_snr_asked_for_is_the_snr_of_the_model() {
         let error = Camera::for_snr(bad, 0.1, 0.12, 3.0, 0.0, 12).expect_err("nonsense").to_string();
         assert!(error.starts_with("snr: "), "{error}");
     }
-}
-
-#[test]
-fn rounding_keeps_to_the_levels_of_the_converter() {
-    assert_eq!(quantised_word(0.0, 12), 0);
-    assert_eq!(quantised_word(-1.0, 12), 0);
-    assert_eq!(quantised_word(2.0, 12), 65520);
+    assert_eq!([0.0, -1.0, 2.0, quantisation_step(12) * 7.4].map(|x| quantised_word(x, 12)), [0, 0, 65520, 7 * 16]);
     assert_eq!(quantised_word(1.0, 16), 65535);
-    assert_eq!(quantised_word(quantisation_step(12) * 7.4, 12), 7 * 16);
     let words: Vec<u16> = (0..4096u16).map(|d| quantised_word(f64::from(d * 16) / 65535.0, 12)).collect();
     assert!(words.iter().enumerate().all(|(d, &w)| usize::from(w) == d * 16));
 }
@@ -235,28 +212,19 @@ fn burst(case: NoiseCase) -> Burst {
 }
 
 fn of_frame(burst: &Burst, t: usize, columns: std::ops::Range<usize>) -> (f64, f64) {
-    let frame = &burst.frames[t];
-    let values: Vec<f64> =
-        (0..SIZE.1).flat_map(|v| frame.row(v)[columns.clone()].iter().map(|&x| f64::from(x))).collect();
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    (mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt())
+    let row = |v: usize| burst.frames[t].row(v)[columns.clone()].iter().map(|&x| f64::from(x));
+    let (mean, variance) = moments((0..SIZE.1).flat_map(row));
+    (mean, variance.sqrt())
 }
 
 #[test]
-fn names_of_cases_are_read_back_and_others_are_refused() {
-    for case in NoiseCase::ALL {
-        assert_eq!(case.name().parse(), Ok(case));
-    }
-    assert_eq!("jpeg-77".parse(), Ok(NoiseCase::Jpeg(77)));
-    assert_eq!("varying-3".parse(), Ok(NoiseCase::Varying(3)));
-    assert_eq!("drifting-stripes-2".parse(), Ok(NoiseCase::DriftingStripes(20)));
+fn names_of_cases_and_kinds_are_read_back_and_kinds_do_what_both_their_cases_do() {
+    NoiseCase::ALL.into_iter().for_each(|case| assert_eq!(case.name().parse(), Ok(case)));
+    let cases = [NoiseCase::Jpeg(77), NoiseCase::Varying(3), NoiseCase::DriftingStripes(20)];
+    assert_eq!(["jpeg-77", "varying-3", "drifting-stripes-2"].map(str::parse), cases.map(Ok));
     for bad in "jpeg-0 jpeg-101 varying-1 varying-x drifting-stripes-0.0 drifting-stripes-10 fading- grey ".split(' ') {
         says(bad.parse::<NoiseCase>().expect_err(bad), &["column-stripes"]);
     }
-}
-
-#[test]
-fn kinds_are_read_back_and_do_what_both_their_cases_do() {
     for index in 0..100 {
         let kind = NoiseKind::drawn(index, 3);
         assert_eq!((kind.name().parse(), NoiseKind::drawn(index, 3)), (Ok(kind), kind));
@@ -300,44 +268,25 @@ fn every_case_is_what_it_says() {
 }
 
 #[test]
-fn a_disc_covers_its_inside() {
+fn a_disc_covers_its_inside_relief_is_smooth_and_lattice_values_are_spread_evenly() {
     let mut sheet = Sheet::new(40, 30, 3, 2);
     sheet.disc(17.3, 12.8, 6.0, 0.5);
-    assert_eq!(sheet.alpha_at(17.0, 13.0), 1.0);
-    assert_eq!(sheet.alpha_at(30.0, 13.0), 0.0);
-    assert_eq!(sheet.alpha_at(-99.0, 1e9), 0.0);
+    assert_eq!([(17.0, 13.0), (30.0, 13.0), (-99.0, 1e9)].map(|(u, v)| sheet.alpha_at(u, v)), [1.0, 0.0, 0.0]);
     let mut outside = Sheet::new(20, 20, 0, 0);
     outside.disc(-100.0, 5.0, 3.0, 1.0);
     assert_eq!(outside.used(), None);
-}
-
-#[test]
-fn relief_is_smooth_and_within_bounds() {
     let mut last = fractal_relief(1, 0.0, 3.0, 20.0, 3);
     for k in 1..2000 {
         let x = fractal_relief(1, k as f32 * 0.1, 3.0, 20.0, 3);
         assert!((0.0..=1.0).contains(&x) && (x - last).abs() < 0.03);
         last = x;
     }
-}
-
-fn moments(samples: impl Iterator<Item = f64>) -> (f64, f64) {
-    let values: Vec<f64> = samples.collect();
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    (mean, values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / values.len() as f64)
+    let (mean, variance) = moments((0..20_000).map(|k| f64::from(lattice(3, k % 200, k / 200))));
+    assert!((mean - 0.5).abs() < 0.01 && (variance - 1.0 / 12.0).abs() < 0.003, "{mean} {variance}");
 }
 
 #[test]
-fn the_first_numbers_of_a_seed_are_fixed_for_ever() {
-    let mut stream = Stream::new(7, 3);
-    let first: Vec<u64> = (0..3).map(|_| (stream.uniform() * (1u64 << 53) as f64) as u64).collect();
-    assert_eq!(first, FIRST_OF_SEED_7_STREAM_3);
-    assert_ne!(Stream::new(7, 4).uniform(), Stream::new(7, 3).uniform());
-}
-const FIRST_OF_SEED_7_STREAM_3: [u64; 3] = [1_635_183_741_686_038, 836_447_931_249_957, 8_818_092_840_256_605];
-
-#[test]
-fn poisson_has_its_mean_and_variance_on_both_sides_of_the_switch() {
+fn poisson_and_normal_have_their_moments_and_the_first_numbers_of_a_seed_are_fixed() {
     const COUNT: usize = 200_000;
     for mean in [0.3, 4.0, 23.9, 24.1, 150.0, 20_000.0] {
         let mut stream = Stream::new(11, 0);
@@ -349,27 +298,21 @@ fn poisson_has_its_mean_and_variance_on_both_sides_of_the_switch() {
         assert!((v - mean).abs() < 5.0 * error, "variance of Poisson({mean}): {v}");
     }
     assert_eq!(Stream::new(1, 0).poisson(0.0), 0.0);
-}
-
-#[test]
-fn normal_has_its_moments_and_tails() {
-    const COUNT: usize = 400_000;
+    let mut stream = Stream::new(7, 3);
+    let first: Vec<u64> = (0..3).map(|_| (stream.uniform() * (1u64 << 53) as f64) as u64).collect();
+    assert_eq!(first, [1_635_183_741_686_038, 836_447_931_249_957, 8_818_092_840_256_605]);
+    assert_ne!(Stream::new(7, 4).uniform(), Stream::new(7, 3).uniform());
+    const NORMALS: usize = 400_000;
     let mut stream = Stream::new(5, 1);
-    let values: Vec<f64> = (0..COUNT).map(|_| stream.normal()).collect();
+    let values: Vec<f64> = (0..NORMALS).map(|_| stream.normal()).collect();
     let (m, v) = moments(values.iter().copied());
-    assert!(m.abs() < 5.0 / (COUNT as f64).sqrt(), "{m}");
-    assert!((v - 1.0).abs() < 5.0 * (2.0 / COUNT as f64).sqrt(), "{v}");
+    assert!(m.abs() < 5.0 / (NORMALS as f64).sqrt(), "{m}");
+    assert!((v - 1.0).abs() < 5.0 * (2.0 / NORMALS as f64).sqrt(), "{v}");
     // Shares beyond 1, 2, 3 and (in the tail, past the last block) 3.5 standard deviations; five standard errors.
     for (limit, share) in [(1.0, 0.317_311), (2.0, 0.045_500), (3.0, 0.002_700), (3.5, 0.000_465)] {
-        let got = values.iter().filter(|x| x.abs() > limit).count() as f64 / COUNT as f64;
-        assert!((got - share).abs() < 5.0 * (share / COUNT as f64).sqrt(), "beyond {limit}: {got} for {share}");
+        let got = values.iter().filter(|x| x.abs() > limit).count() as f64 / NORMALS as f64;
+        assert!((got - share).abs() < 5.0 * (share / NORMALS as f64).sqrt(), "beyond {limit}: {got} for {share}");
     }
-}
-
-#[test]
-fn lattice_values_are_spread_evenly() {
-    let (mean, variance) = moments((0..20_000).map(|k| f64::from(lattice(3, k % 200, k / 200))));
-    assert!((mean - 0.5).abs() < 0.01 && (variance - 1.0 / 12.0).abs() < 0.003, "{mean} {variance}");
 }
 
 fn small_scene() -> SceneParams {
@@ -404,30 +347,7 @@ fn landmarks_stand_out_at_their_own_slope_and_place() {
 }
 
 #[test]
-fn nonsense_in_a_scene_is_named() {
-    for (params, name) in [
-        (SceneParams { layers: 0, ..small_scene() }, "layers"),
-        (SceneParams { layers: 99, ..small_scene() }, "layers"),
-        (SceneParams { snr: 0.01, ..small_scene() }, "snr"),
-        (SceneParams { height: 1, ..small_scene() }, "height"),
-    ] {
-        let error = synth_scene(&params, &quiet()).expect_err(name).to_string();
-        assert!(error.starts_with(name), "{error}");
-    }
-}
-
-#[test]
-fn numbers_and_spans_are_those_of_the_positions() {
-    for text in ["", "1x9", "9x1", "3x5", "9x9"] {
-        let uneven = Uneven { views: text.parse().ok(), ..Uneven::default() };
-        let (whole, (count, span)) = (uneven.whole(10), uneven.count_and_span(10));
-        assert!(count == whole.len() && (span - whole.span()).abs() < 1e-9, "{text}: {count} {span}");
-    }
-    assert_eq!(Uneven::default().count_and_span(usize::MAX).0, usize::MAX, "any number costs nothing");
-}
-
-#[test]
-fn exchanged_frames_are_told_by_the_images_and_the_truth_alone() {
+fn exchanged_frames_are_told_by_images_and_truth_alone_and_numbers_are_those_of_positions() {
     let chart = ChartParams { width: 200, height: 150, discs: 4, max_slope: 1.0, frames: 5, ..Default::default() };
     let chart = ChartParams { radius: 3.6..=8.0, ..chart };
     let made = |drop: &[usize], exchange: &[usize]| {
@@ -446,4 +366,10 @@ fn exchanged_frames_are_told_by_the_images_and_the_truth_alone() {
         let error = made(&[], wrong).expect_err("no two frames").to_string();
         assert!(error.starts_with("exchange: these are no two frames"), "{error}");
     }
+    for text in ["", "1x9", "9x1", "3x5", "9x9"] {
+        let uneven = Uneven { views: text.parse().ok(), ..Uneven::default() };
+        let (whole, (count, span)) = (uneven.whole(10), uneven.count_and_span(10));
+        assert!(count == whole.len() && (span - whole.span()).abs() < 1e-9, "{text}: {count} {span}");
+    }
+    assert_eq!(Uneven::default().count_and_span(usize::MAX).0, usize::MAX, "any number costs nothing");
 }

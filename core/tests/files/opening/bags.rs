@@ -3,8 +3,7 @@
 //! `sqlite.db3` and in the left of `stereo_bz2.bag`), 0, 40, 80, 200 and 240 ms after a whole second, and a topic
 //! `/notes` of texts. The values and stamps are those that the same packages read.
 
-use super::plain::unpacked;
-use super::support::*;
+use super::{plain::unpacked, support::*};
 
 macro_rules! sample {
     ($name:literal) => {
@@ -30,12 +29,10 @@ pub fn samples() -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-/// The bytes of one of them.
 pub fn sample_of(name: &str) -> Vec<u8> {
     samples().into_iter().find(|(own, _)| *own == name).expect("a sample").1
 }
 
-/// A bag of two topics of pictures.
 pub fn stereo() -> (&'static str, Vec<u8>) {
     sample!("stereo_bz2.bag")
 }
@@ -43,7 +40,6 @@ pub fn stereo() -> (&'static str, Vec<u8>) {
 const TIMES_S: [f64; 5] = [0.0, 0.04, 0.08, 0.2, 0.24];
 const METADATA: &str = include_str!("samples/bag_metadata.yaml");
 
-/// A sample by its name.
 fn named(name: &str) -> Made {
     Made::new(name, &sample_of(name))
 }
@@ -81,7 +77,6 @@ fn assert_frames(burst: &Burst, expected: impl Fn(usize) -> Vec<f32>) {
     }
 }
 
-/// The means of the squares of 2×2 pixels.
 fn binned(samples: &[f32]) -> Vec<f32> {
     let at = |u: usize, v: usize| samples[24 * v + u];
     let square = |u, v| (at(u, v) + at(u + 1, v) + at(u, v + 1) + at(u + 1, v + 1)) / 4.0;
@@ -139,7 +134,7 @@ fn stamps_are_times_and_what_was_taken_is_said() {
 }
 
 #[test]
-fn of_several_topics_one_is_chosen() {
+fn of_several_topics_one_is_chosen_and_what_is_cut_off_is_refused_or_told_wherever_it_is_cut() {
     let file = Made::new(stereo().0, &stereo().1);
     let message = file.open(&OpenOptions::default()).expect_err("two topics").to_string();
     let listed = "--topic NAME which one holds the frames: /left/image_raw (5 of 24×16), /right/image_raw (5 of 24×16)";
@@ -149,6 +144,18 @@ fn of_several_topics_one_is_chosen() {
     assert_frames(&file.open(&topic("right/image_raw")).expect("right"), |t| samples_of(t, 1, 65535));
     for absent in ["/notes", "/middle"] {
         says(file.open(&topic(absent)).expect_err(absent), &[absent, listed]);
+    }
+    for (name, bytes) in samples().into_iter().chain([stereo()]) {
+        let places = (1..bytes.len()).step_by(97).chain(bytes.len() - 40..bytes.len());
+        if name.ends_with(".mcap") {
+            assert_whole_messages(name, &bytes, places);
+            continue;
+        }
+        for cut in places {
+            let file = Made::new(name, &bytes[..cut]);
+            let error = file.open(&OpenOptions::default()).map(|burst| burst.len()).expect_err(name);
+            assert!(error.kind == ErrorKind::Damaged && error.to_string().contains(name), "{cut}: {error}");
+        }
     }
 }
 
@@ -250,7 +257,6 @@ fn damage_names_the_field_and_the_program_that_mends_it() {
     assert!(shaped(17, 24, 48).contains("'data' has 768 bytes, and 816"));
     assert!(shaped(u32::MAX, u32::MAX, u32::MAX).contains("4294967295×4294967295"));
     assert!(shaped(0, 24, 48).contains("no pixels"));
-    // One frame alone.
     let at = mono.windows(shape(16, 24, 48).len()).rposition(|part| part == shape(16, 24, 48)).expect("a shape");
     let odd = [&mono[..at], &shape(8, 48, 96), &mono[at + shape(8, 48, 96).len()..]].concat();
     says(failure("odd.bag", odd), &["24×16", "odd.bag (frame 4)"]);
@@ -262,24 +268,6 @@ fn damage_names_the_field_and_the_program_that_mends_it() {
     // A database that is no bag.
     let (_, rows) = sample!("sqlite.db3", gz);
     assert!(failure("bad.db3", replaced(rows, b"TABLE messages", b"TABLE massages")).contains("bad.db3"));
-}
-
-/// Every cut of a file that was closed is refused, but that of MCAP, which does not say how much follows: it opens as a
-/// recording does that was stopped there.
-#[test]
-fn what_is_cut_off_is_refused_or_told_wherever_it_is_cut() {
-    for (name, bytes) in samples().into_iter().chain([stereo()]) {
-        let places = (1..bytes.len()).step_by(97).chain(bytes.len() - 40..bytes.len());
-        if name.ends_with(".mcap") {
-            assert_whole_messages(name, &bytes, places);
-            continue;
-        }
-        for cut in places {
-            let file = Made::new(name, &bytes[..cut]);
-            let error = file.open(&OpenOptions::default()).map(|burst| burst.len()).expect_err(name);
-            assert!(error.kind == ErrorKind::Damaged && error.to_string().contains(name), "{cut}: {error}");
-        }
-    }
 }
 
 /// Asserts that what is left of a recording opens to its last whole message, and says so, or has none. Returns the

@@ -79,13 +79,10 @@ pub fn packed_chunks_png(unpacked: usize) -> Vec<u8> {
     let picture = image::GrayImage::from_fn(8, 8, |u, v| image::Luma([(u * 20 + v) as u8]));
     picture.write_to(&mut std::io::Cursor::new(&mut sound), image::ImageFormat::Png).expect("a PNG");
     let chunk = |name: &[u8; 4], data: &[u8]| {
-        let mut bytes = (data.len() as u32).to_be_bytes().to_vec();
         let body = [&name[..], data].concat();
-        bytes.extend(&body);
-        bytes.extend(crc(&body).to_be_bytes());
-        bytes
+        [&(data.len() as u32).to_be_bytes(), &body[..], &crc(&body).to_be_bytes()].concat()
     };
-    let packed = zlib_of_zeros(unpacked);
+    let packed = read(flate2::read::ZlibEncoder::new(zeros(unpacked as u64), flate2::Compression::best()));
     let profile = chunk(b"iCCP", &[b"ICC\0\0", &packed[..]].concat());
     let text = chunk(b"zTXt", &[b"Comment\0\0", &packed[..]].concat());
     let other = chunk(b"iTXt", &[b"Comment\0\x01\0\0\0", &packed[..]].concat());
@@ -94,13 +91,18 @@ pub fn packed_chunks_png(unpacked: usize) -> Vec<u8> {
     [&sound[..AFTER_HEADER], &profile, &text, &other, &sound[AFTER_HEADER..]].concat()
 }
 
-/// Zeros as gzip data.
 pub fn gzip_of_zeros(count: u64) -> Vec<u8> {
-    let mut packed = Vec::new();
-    let zeros = std::io::Read::take(std::io::repeat(0), count);
-    let mut encoder = flate2::read::GzEncoder::new(zeros, flate2::Compression::best());
-    std::io::Read::read_to_end(&mut encoder, &mut packed).expect("memory takes everything");
-    packed
+    read(flate2::read::GzEncoder::new(zeros(count), flate2::Compression::best()))
+}
+
+fn zeros(count: u64) -> impl std::io::Read {
+    std::io::Read::take(std::io::repeat(0), count)
+}
+
+fn read(mut from: impl std::io::Read) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    from.read_to_end(&mut bytes).expect("memory takes everything");
+    bytes
 }
 
 /// A FITS image of 8×8 in one tile, which unpacks to `unpacked` zeros.
@@ -158,19 +160,13 @@ pub fn npz(member: &[u8], announced: u32, checksum: Option<u32>, packed: Option<
 
 /// An array of bytes of this shape, as Python writes it, with the given values.
 pub fn npy(shape: &str, values: &[u8]) -> Vec<u8> {
-    let header = format!("{:<117}\n", format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({shape}), }}"));
-    [b"\x93NUMPY\x01\0", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), values].concat()
+    npy_of("'|u1'", "False", shape, values)
 }
 
-/// Zeros as a zlib stream.
-fn zlib_of_zeros(count: usize) -> Vec<u8> {
-    use std::io::Write;
-    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
-    let block = vec![0; 1 << 16];
-    for start in (0..count).step_by(block.len()) {
-        encoder.write_all(&block[..block.len().min(count - start)]).expect("memory takes everything");
-    }
-    encoder.finish().expect("memory takes everything")
+pub fn npy_of(kind: &str, is_fortran: &str, shape: &str, values: &[u8]) -> Vec<u8> {
+    let header = format!("{{'descr': {kind}, 'fortran_order': {is_fortran}, 'shape': ({shape}), }}");
+    let header = format!("{header:<117}\n");
+    [b"\x93NUMPY\x01\0", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), values].concat()
 }
 
 /// The checksum of PNG, gzip and ZIP.

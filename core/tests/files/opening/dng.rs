@@ -15,11 +15,9 @@ pub struct Dng {
     pub black: [u16; 4],
     /// Black level of each column and of each row of the active area, relative to that; empty for none.
     pub black_steps: [Vec<i16>; 2],
-    /// White level.
     pub white: u16,
     /// Top, left, bottom, right of the pixels that are exposed to light.
     pub active: Option<[u32; 4]>,
-    /// EXIF orientation.
     pub orientation: u16,
 }
 
@@ -40,7 +38,6 @@ impl Dng {
         }
     }
 
-    /// The bytes of the file.
     pub fn bytes(&self) -> Vec<u8> {
         const BYTE: u16 = 1;
         const ASCII: u16 = 2;
@@ -90,8 +87,7 @@ impl Dng {
         entries.sort_by_key(|entry| entry.0);
         // Data that does not fit into a directory's four bytes is stored before it.
         for entry in entries.iter_mut().filter(|entry| entry.3.len() > 4) {
-            let place = longs(&[bytes.len() as u32]);
-            bytes.extend(std::mem::replace(&mut entry.3, place));
+            bytes.extend(std::mem::replace(&mut entry.3, longs(&[bytes.len() as u32])));
             bytes.resize(bytes.len().next_multiple_of(2), 0);
         }
         let directory = (bytes.len() as u32).to_le_bytes();

@@ -1,6 +1,6 @@
 //! Every failure is an error that names the file, the problem and the remedy.
 
-use super::support::*;
+use super::{crafted::npy_of, support::*};
 use ndarray::Array1;
 
 /// Opens a file that must fail, and checks that the message contains all of `words`.
@@ -13,62 +13,24 @@ fn failure(path: &Path, words: &[&str]) -> Error {
 }
 
 #[test]
-fn missing_empty_and_foreign_files() {
+fn missing_empty_and_foreign_files_and_a_bad_picture_in_a_folder_is_named_and_never_skipped() {
     let folder = folder();
     let at = |name: &str| folder.join(name);
     failure(&at("missing.png"), &["no such file"]);
     assert!(open(&[]).expect_err("nothing").to_string().contains("nothing to open"));
-    fs::create_dir(at("empty")).expect("made");
+    ["empty", "texts"].into_iter().for_each(|name| fs::create_dir(at(name)).expect("made"));
     failure(&at("empty"), &["no pictures", "png", "tiff", "npy"]);
-    fs::create_dir(at("texts")).expect("made");
     fs::write(at("texts/a.txt"), "text").expect("written");
     failure(&at("texts"), &["no pictures"]);
-    fs::write(at("zero.png"), "").expect("written");
-    failure(&at("zero.png"), &["empty", "0 bytes"]);
-    fs::write(at("text.png"), "this is no picture at all").expect("written");
-    failure(&at("text.png"), &["named as a PNG", "damaged or of another kind"]);
-    fs::write(at("text"), "this is no picture at all").expect("written");
-    failure(&at("text"), &["not a picture", "convert"]);
-    fs::write(at("a.gif"), b"GIF89a\x01\x00\x01\x00\x00\x00\x00;").expect("written");
-    failure(&at("a.gif"), &["film", "ffmpeg"]);
-}
-
-#[test]
-fn a_number_of_a_text_picture_that_may_be_cut_is_refused() {
-    let (folder, path) = folder_with("a.pgm");
-    let whole = "P2\n# words\n3 2\n300\n10 20 30\n40 50 256\n";
-    for end in whole.len() - 6..whole.len() {
-        fs::write(&path, &whole[..end]).expect("written");
-        failure(&path, &["PNM", "truncated or damaged"]);
+    for (name, content, words) in [
+        ("zero.png", "", ["empty", "0 bytes"]),
+        ("text.png", "this is no picture at all", ["named as a PNG", "damaged or of another kind"]),
+        ("text", "this is no picture at all", ["not a picture", "convert"]),
+    ] {
+        fs::write(at(name), content).expect("written");
+        failure(&at(name), &words);
     }
-    fs::write(&path, whole.trim_end()).expect("written");
-    failure(&path, &["no space or line end follows its last number"]);
-    for after in ["\n", " ", "\r\n", "\t\n"] {
-        fs::write(&path, format!("{}{after}", whole.trim_end())).expect("written");
-        let value = Burst::open(&path).expect("whole").frames[0].at(2, 1);
-        assert!((value - 256.0 / 300.0).abs() < 1e-5, "{value}: the decoder gives 65535 levels");
-    }
-    fs::write(folder.join("a.ppm"), "P3\n1 1\n99\n1 2 34").expect("written");
-    failure(&folder.join("a.ppm"), &["no space or line end follows its last number"]);
-    // Samples of one digit cannot be cut, and binary ones may be any byte.
-    fs::write(folder.join("a.pbm"), "P1\n2 1\n1 0").expect("written");
-    assert_eq!(Burst::open(folder.join("a.pbm")).expect("whole").size(), (2, 1));
-    fs::write(folder.join("b.pgm"), "P5\n2 1\n255\n12").expect("written");
-    assert_eq!(Burst::open(folder.join("b.pgm")).expect("whole").size(), (2, 1));
-}
-
-#[cfg(unix)]
-#[test]
-fn a_pipe_is_refused_instead_of_waited_for() {
-    let (_socket, path) = folder_with("pipe.png");
-    let _listener = std::os::unix::net::UnixListener::bind(&path).expect("a socket");
-    failure(&path, &["neither a regular file nor a folder"]);
-    failure(Path::new("/dev/null"), &["neither a regular file nor a folder"]);
-}
-
-#[test]
-fn a_bad_picture_in_a_folder_is_named_and_never_skipped() {
-    let folder = folder();
+    let folder = crate::prelude::folder();
     (1..=4).for_each(|t| save(&folder.join(format!("{t}.png")), &grey8(30, 20, t)));
     let good = fs::read(folder.join("3.png")).expect("read");
     fs::write(folder.join("3.png"), &good[..good.len() / 2]).expect("written");
@@ -90,26 +52,67 @@ fn a_bad_picture_in_a_folder_is_named_and_never_skipped() {
 }
 
 #[test]
-fn different_sizes_name_both_files_and_sizes() {
+fn a_number_of_a_text_picture_that_may_be_cut_is_refused() {
+    let (folder, path) = folder_with("a.pgm");
+    let whole = "P2\n# words\n3 2\n300\n10 20 30\n40 50 256\n";
+    for end in whole.len() - 6..whole.len() {
+        fs::write(&path, &whole[..end]).expect("written");
+        failure(&path, &["PNM", "truncated or damaged"]);
+    }
+    fs::write(&path, whole.trim_end()).expect("written");
+    failure(&path, &["no space or line end follows its last number"]);
+    for after in ["\n", " ", "\r\n", "\t\n"] {
+        fs::write(&path, format!("{}{after}", whole.trim_end())).expect("written");
+        let value = Burst::open(&path).expect("whole").frames[0].at(2, 1);
+        assert!((value - 256.0 / 300.0).abs() < 1e-5, "{value}: the decoder gives 65535 levels");
+    }
+    fs::write(folder.join("a.ppm"), "P3\n1 1\n99\n1 2 34").expect("written");
+    failure(&folder.join("a.ppm"), &["no space or line end follows its last number"]);
+    // Samples of one digit cannot be cut, and binary ones may be any byte.
+    for (name, content) in [("a.pbm", "P1\n2 1\n1 0"), ("b.pgm", "P5\n2 1\n255\n12")] {
+        fs::write(folder.join(name), content).expect("written");
+        assert_eq!(Burst::open(folder.join(name)).expect("whole").size(), (2, 1));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_refused_instead_of_waited_for() {
+    let (_socket, path) = folder_with("pipe.png");
+    let _listener = std::os::unix::net::UnixListener::bind(&path).expect("a socket");
+    failure(&path, &["neither a regular file nor a folder"]);
+    failure(Path::new("/dev/null"), &["neither a regular file nor a folder"]);
+}
+
+#[test]
+fn different_sizes_units_and_kinds_of_one_burst_are_refused_by_their_names() {
     let folder = folder();
     save(&folder.join("1.png"), &grey8(30, 20, 0));
     save(&folder.join("2.png"), &grey8(30, 21, 0));
     says(Burst::open(&folder).expect_err("sizes differ"), &["1.png", "30×20", "2.png", "30×21"]);
     let stack = folder.join("pages.tif");
     let mut encoder = TiffEncoder::new(fs::File::create(&stack).expect("created")).expect("begins");
-    encoder.write_image::<colortype::Gray8>(2, 2, &[0; 4]).expect("page");
-    encoder.write_image::<colortype::Gray8>(2, 3, &[0; 6]).expect("page");
+    for rows in [2, 3] {
+        encoder.write_image::<colortype::Gray8>(2, rows, &vec![0; 2 * rows as usize]).expect("page");
+    }
     drop(encoder);
     failure(&stack, &["(page 1)", "2×2", "(page 2)", "2×3"]);
+    let folder = crate::prelude::folder();
+    save(&folder.join("1.png"), &grey8(2, 1, 0));
+    write_npy(folder.join("2.npy"), &Array2::from_elem((1, 2), 300.0f32)).expect("written");
+    let error = Burst::open(&folder).expect_err("no common unit");
+    assert!(error.problem.contains("no unit in common") && error.remedy.ends_with("2.npy"), "{error}");
+    let (folder, file) = folder_with("a.png");
+    save(&file, &grey8(2, 2, 0));
+    says(open(&[file, folder.to_path_buf()]).expect_err("mixed").problem, &["either folders or files"]);
 }
 
 #[test]
-fn infinite_values_are_located() {
+fn infinite_values_are_located_and_arrays_of_other_shapes_and_types_refused() {
     let (folder, path) = folder_with("a.npy");
     for (value, word) in [(f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
         let mut stack = Array3::<f32>::zeros((3, 4, 5));
-        stack[[1, 3, 2]] = value;
-        stack[[2, 0, 0]] = value;
+        (stack[[1, 3, 2]], stack[[2, 0, 0]]) = (value, value);
         write_npy(&path, &stack).expect("written");
         failure(&path, &["frame 1", "(2, 3)", word]);
     }
@@ -118,37 +121,27 @@ fn infinite_values_are_located() {
     let path = folder.join("a.tif");
     tiff_pages::<colortype::Gray32Float>(&path, (2, 1), &[vec![0.0, 0.5], vec![f32::NAN, f32::INFINITY]]);
     failure(&path, &["frame 1", "(1, 0)", "inf"]);
-}
-
-#[test]
-fn arrays_of_other_shapes_and_types() {
-    let (_folder, path) = folder_with("a.npy");
     write_npy(&path, &Array1::<f32>::zeros(5)).expect("written");
     failure(&path, &["[5]", "[frames, rows, columns]"]);
-    write_npy(&path, &Array4::<u8>::zeros((2, 3, 4, 5))).expect("written");
-    failure(&path, &["[2, 3, 4, 5]"]);
-    write_npy(&path, &Array3::<u8>::zeros((0, 3, 4))).expect("written");
-    failure(&path, &["[0, 3, 4]"]);
-    write_npy(&path, &Array3::<u8>::zeros((2, 0, 4))).expect("written");
-    failure(&path, &["no pixels (4×0)"]);
-    fs::write(&path, b"\x93NUMPY\x01\x00\x3f\x00{'descr': '<c8', 'fortran_order': False, 'shape': (2, 2)}         ")
-        .expect("written");
-    failure(&path, &["<c8", "uint16 or float32"]);
-    let record =
-        b"\x93NUMPY\x01\x00\x50\x00{'descr': [('x', '|u1')], 'fortran_order': False, 'shape': (2, 2), }             ";
-    fs::write(&path, record).expect("written");
-    failure(&path, &["type 'record'", "uint16 or float32"]);
-    // A last axis of channels is neither views nor time.
-    for channels in [2, 8] {
-        write_npy(&path, &Array4::<u8>::zeros((5, 40, 60, channels))).expect("written");
-        failure(&path, &[&format!("[5, 40, 60, {channels}]")]);
+    for shape in [(2, 3, 4, 5), (5, 40, 60, 2), (5, 40, 60, 8)] {
+        // A last axis of channels is neither views nor time.
+        write_npy(&path, &Array4::<u8>::zeros(shape)).expect("written");
+        failure(&path, &[&format!("{shape:?}").replace('(', "[").replace(')', "]")]);
+    }
+    for (shape, words) in [((0, 3, 4), "[0, 3, 4]"), ((2, 0, 4), "no pixels (4×0)")] {
+        write_npy(&path, &Array3::<u8>::zeros(shape)).expect("written");
+        failure(&path, &[words]);
+    }
+    for (kind, says) in [("'<c8'", "<c8"), ("[('x', '|u1')]", "type 'record'")] {
+        fs::write(&path, npy_of(kind, "False", "2, 2", &[])).expect("written");
+        failure(&path, &[says, "uint16 or float32"]);
     }
     write_npy(&path, &Array3::<f64>::from_elem((2, 3, 4), 1e300)).expect("written");
     failure(&path, &["beyond 3.4e38", "pixel (0, 0)"]);
 }
 
 #[test]
-fn complex_samples_of_a_tiff_are_told_by_all_that_describes_it() {
+fn complex_samples_and_an_image_list_that_imagej_left_out_are_told() {
     let (_folder, path) = folder_with("complex.tif");
     // 2×2 pixels of two floats each, at byte 8 + 2 + 10·12 + 4.
     let entries =
@@ -158,22 +151,17 @@ fn complex_samples_of_a_tiff_are_told_by_all_that_describes_it() {
     failure(&path, &["complex", "magnitude"]);
     let described = Info::of(&[path], &OpenOptions::default(), &quiet()).expect_err("described as it opens");
     assert!(described.problem.contains("complex"), "{described}");
-}
-
-#[test]
-fn folders_and_files_are_not_mixed() {
-    let (folder, file) = folder_with("a.png");
-    save(&file, &grey8(2, 2, 0));
-    says(open(&[file, folder.to_path_buf()]).expect_err("mixed").problem, &["either folders or files"]);
-}
-
-#[test]
-fn frames_without_a_common_unit_are_refused() {
-    let folder = folder();
-    save(&folder.join("1.png"), &grey8(2, 1, 0));
-    write_npy(folder.join("2.npy"), &Array2::from_elem((1, 2), 300.0f32)).expect("written");
-    let error = Burst::open(&folder).expect_err("no common unit");
-    assert!(error.problem.contains("no unit in common") && error.remedy.ends_with("2.npy"), "{error}");
+    let (_folder, path) = folder_with("imagej.tif");
+    let mut encoder = TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
+    let mut image = encoder.new_image::<colortype::Gray8>(2, 1).expect("page");
+    let description = "ImageJ=1.54f\nimages=7\nslices=7\n";
+    image.encoder().write_tag(Tag::ImageDescription, description).expect("tag");
+    image.write_data(&[1, 2]).expect("page");
+    drop(encoder);
+    failure(&path, &["7 depths", "--axis Z"]);
+    let along = OpenOptions { axis: Some("Z".parse().expect("an axis")), ..OpenOptions::default() };
+    let told = Burst::open_with(&[path], &along, &quiet()).expect_err("they are not there").to_string();
+    assert!(told.contains("14 bytes of values are announced"), "{told}");
 }
 
 #[test]
@@ -198,32 +186,12 @@ fn limits_are_checked_before_memory_is_taken() {
     fs::create_dir(at("many")).expect("made");
     (0..3).for_each(|t| save(&at(&format!("many/{t}.png")), &grey8(30, 30, 0)));
     fails(&at("many"), "3 × 30×30");
-    // Two frames at the edge of what is allowed open.
     fs::create_dir(at("edge")).expect("made");
     (0..2).for_each(|t| save(&at(&format!("edge/{t}.png")), &grey8(50, 20, 0)));
     assert_eq!(Burst::open_with(&[at("edge")], &options, &quiet()).expect("within the limits").len(), 2);
     // A few bytes that announce a huge picture, against the default limits.
     fs::write(at("giant.pam"), "P7\nWIDTH 200000\nHEIGHT 200000\nDEPTH 1\nMAXVAL 255\nENDHDR\n").expect("written");
     assert_eq!(failure(&at("giant.pam"), &["200000×200000"]).kind, ErrorKind::TooLarge);
-    let giant = "{'descr': '<f8', 'fortran_order': True, 'shape': (4000, 16000, 16000), }";
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((giant.len() as u16).to_le_bytes());
-    bytes.extend(giant.as_bytes());
-    fs::write(at("giant.npy"), bytes).expect("written");
+    fs::write(at("giant.npy"), npy_of("'<f8'", "True", "4000, 16000, 16000", &[])).expect("written");
     assert_eq!(failure(&at("giant.npy"), &["MiB"]).kind, ErrorKind::TooLarge);
-}
-
-#[test]
-fn an_image_list_that_imagej_left_out_is_not_lost_silently() {
-    let (_folder, path) = folder_with("imagej.tif");
-    let mut encoder = TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
-    let mut image = encoder.new_image::<colortype::Gray8>(2, 1).expect("page");
-    let description = "ImageJ=1.54f\nimages=7\nslices=7\n";
-    image.encoder().write_tag(Tag::ImageDescription, description).expect("tag");
-    image.write_data(&[1, 2]).expect("page");
-    drop(encoder);
-    failure(&path, &["7 depths", "--axis Z"]);
-    let along = OpenOptions { axis: Some("Z".parse().expect("an axis")), ..OpenOptions::default() };
-    let told = Burst::open_with(&[path], &along, &quiet()).expect_err("they are not there").to_string();
-    assert!(told.contains("14 bytes of values are announced"), "{told}");
 }

@@ -1,9 +1,6 @@
 //! Randomly damaged files: opening them gives a burst or an error, never a panic, and never takes much time or memory.
 
-use super::crafted;
-use super::damaged::PROGRESSIVE;
-use super::support::*;
-use proptest::prelude::*;
+use super::{crafted, damaged::PROGRESSIVE, support::*};
 use std::sync::OnceLock;
 use tiff::encoder::{Compression, DeflateLevel};
 
@@ -50,7 +47,6 @@ pub fn samples() -> &'static [(&'static str, Vec<u8>)] {
     })
 }
 
-/// The files to be damaged: the valid ones and the malicious ones.
 fn seeds() -> &'static [(&'static str, Vec<u8>)] {
     static SEEDS: OnceLock<Vec<(&'static str, Vec<u8>)>> = OnceLock::new();
     SEEDS.get_or_init(|| {
@@ -114,7 +110,6 @@ fn check(name: &str, answer: Result<Burst, Error>) {
 const EXTREMES: [u64; 14] =
     [0, 1, 5, 10, 12, 13, 16, 0x7f, 0xff, 0xffff, 0x7fff_ffff, 0xffff_ffff, 0x7fff_ffff_ffff_ffff, u64::MAX];
 
-/// Values of keywords of FITS.
 #[rustfmt::skip]
 const WORDS: [&str; 22] = [
     "RICE_1", "RICE_ONE", "GZIP_1", "GZIP_2", "PLIO_1", "HCOMPRESS_1", "NOCOMPRESS", "1PB", "0PB",

@@ -1,9 +1,7 @@
 //! Recordings that are made to do harm, or were damaged where only a checksum tells: each is refused with an error that
 //! says why, before much is unpacked, and when the work is cancelled.
 
-use super::bags::sample_of;
-use super::support::*;
-use proptest::prelude::*;
+use super::{bags::sample_of, support::*};
 use rusqlite::Connection;
 use std::io::{Read, Write};
 
@@ -33,7 +31,6 @@ struct Recording {
     wire: &'static str,
     packed_by: &'static str,
     chunk: Vec<u8>,
-    /// Bytes that the chunk announces to unpack to.
     size: u64,
     crc: u32,
     /// Whether a list names its messages, so that the chunk is not looked through.
@@ -48,7 +45,6 @@ impl Recording {
         Self::of("cdr", &[0, 1, 2].map(picture))
     }
 
-    /// Messages in this serialisation.
     fn of(wire: &'static str, messages: &[Vec<u8>]) -> Self {
         let (mut chunk, mut lists) = (Vec::new(), Vec::new());
         for (t, message) in messages.iter().enumerate() {
@@ -105,7 +101,6 @@ fn failure(path: &Path) -> Error {
     Burst::open(path).expect_err("it is refused")
 }
 
-/// A file with these bytes, which goes with the folder.
 fn written(folder: &Folder, name: &str, bytes: &[u8]) -> PathBuf {
     let path = folder.join(name);
     fs::write(&path, bytes).expect("written");
@@ -154,7 +149,7 @@ fn checksums_that_are_there_are_compared() {
 }
 
 #[test]
-fn each_field_of_a_picture_is_named_where_it_is_cut_off() {
+fn each_cut_field_of_a_picture_is_named_and_a_list_of_files_names_each_once() {
     let home = folder();
     // As ROS 1 serialises it: with a number, without padding.
     let head = [&numbers(&[3, 1_700_000_000, 5, 1])[..], b"a", &numbers(&[3, 4, 5]), b"mono8\0"].concat();
@@ -170,6 +165,15 @@ fn each_field_of_a_picture_is_named_where_it_is_cut_off() {
             assert!(error.contains("field") || error.contains("no bytes"), "{wire} {cut}: {error}");
         }
     }
+    fs::write(home.join("a.db3"), sample_of("sqlite.db3")).expect("written");
+    let listed = |files: &str| {
+        let text = format!("rosbag2_bagfile_information:\n  relative_file_paths:\n{files}");
+        failure(&written(&home, "metadata.yaml", text.as_bytes())).to_string()
+    };
+    assert!(listed("    - a.db3\n    - bag/a.db3\n").contains("lists 'a.db3' twice"));
+    assert!(listed(&"    - a.db3\n".repeat(5)).contains("lists 'a.db3' twice"));
+    let many: String = (0..5000).map(|k| format!("    - {k}.db3\n")).collect();
+    assert!(listed(&many).contains("more than 4096 files"));
 }
 
 #[test]
@@ -199,7 +203,7 @@ fn what_unpacks_to_far_more_than_its_length_is_refused() {
 }
 
 #[test]
-fn a_database_whose_columns_compute_is_refused() {
+fn a_database_whose_columns_compute_is_refused_and_what_lies_beside_one_is_said() {
     let home = folder();
     for (table, column) in [("messages", "VIRTUAL"), ("topics", "VIRTUAL")] {
         let path = written(&home, "rows.db3", &sample_of("sqlite.db3"));
@@ -208,11 +212,6 @@ fn a_database_whose_columns_compute_is_refused() {
         let error = failure(&path);
         assert!(error.kind == ErrorKind::Unsupported && error.problem.contains("stored columns"), "{error}");
     }
-}
-
-#[test]
-fn what_lies_beside_a_database_and_is_not_read_is_said() {
-    let home = folder();
     let path = written(&home, "rows.db3", &sample_of("sqlite.db3"));
     let info = |path: &Path| Info::of(&[path.to_owned()], &OpenOptions::default(), &quiet());
     let notes = || info(&path).expect("described").text();
@@ -231,20 +230,6 @@ fn what_lies_beside_a_database_and_is_not_read_is_said() {
     fs::write(&journal, [&b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7"[..], &[0; 504]].concat()).expect("written");
     let error = failure(&path);
     assert!(error.problem.contains("was not finished") && error.subject.ends_with("other.db3"), "{error}");
-}
-
-#[test]
-fn a_list_of_files_names_each_once_and_not_too_many() {
-    let home = folder();
-    fs::write(home.join("a.db3"), sample_of("sqlite.db3")).expect("written");
-    let listed = |files: &str| {
-        let text = format!("rosbag2_bagfile_information:\n  relative_file_paths:\n{files}");
-        failure(&written(&home, "metadata.yaml", text.as_bytes())).to_string()
-    };
-    assert!(listed("    - a.db3\n    - bag/a.db3\n").contains("lists 'a.db3' twice"));
-    assert!(listed(&"    - a.db3\n".repeat(5)).contains("lists 'a.db3' twice"));
-    let many: String = (0..5000).map(|k| format!("    - {k}.db3\n")).collect();
-    assert!(listed(&many).contains("more than 4096 files"));
 }
 
 #[cfg(unix)]

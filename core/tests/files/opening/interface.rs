@@ -8,7 +8,7 @@ fn of_u16(values: &[u16]) -> Arrays {
 }
 
 #[test]
-fn an_array_gives_the_bits_of_its_file() {
+fn an_array_gives_the_bits_of_its_file_and_floats_in_fractions_of_full_scale_are_not_copied() {
     let folder = folder();
     let path = |name: &str| folder.join(name);
     let values: Vec<u16> = (0..3 * 20 * 16).map(|k| ((k * 7919) % 4096) as u16).collect();
@@ -29,10 +29,6 @@ fn an_array_gives_the_bits_of_its_file() {
     assert_eq!((made.full_scale, made.quantisation_step), (opened.full_scale, opened.quantisation_step));
     let suggested = Burst::from_arrays("made", of_u16(&values), &OpenOptions::default(), &monitor).expect("made");
     assert_eq!(suggested.suggested_full_scale, Some(4095.0));
-}
-
-#[test]
-fn floats_in_fractions_of_full_scale_are_not_copied() {
     struct Owner(Vec<f32>);
     impl PixelOwner for Owner {
         fn pixels(&self) -> &[f32] {
@@ -50,7 +46,19 @@ fn floats_in_fractions_of_full_scale_are_not_copied() {
 }
 
 #[test]
-fn faults_name_the_array() {
+fn frames_and_size_are_those_of_the_opened_burst_and_faults_name_the_array() {
+    let home = folder();
+    for t in 0..3 {
+        let path = home.join(format!("{t}.png"));
+        image::GrayImage::from_pixel(9, 7, image::Luma([9])).save(path).expect("written");
+    }
+    let of = |path: PathBuf| Info::of(&[path], &OpenOptions::default(), &quiet());
+    let shape = |info: &Info| (info.frames, info.width, info.height);
+    let whole = of(home.to_path_buf()).expect("described");
+    assert_eq!((shape(&whole), whole.files, &*whole.kind, &*whole.samples), ((3, 9, 7), 3, "PNG", "8 bit"));
+    assert!(whole.text().contains("3 frames of 9 × 7 in 3 files"), "{}", whole.text());
+    assert_eq!(shape(&of(home.join("1.png")).expect("described")), (1, 9, 7));
+    assert!(of(home.join("gone.png")).is_err());
     let plane = |width, value| ArrayFrame::Floats(Plane::from_vec(width, 16, vec![value; width * 16]));
     let error = |arrays| {
         let made = Burst::from_arrays("bad", arrays, &OpenOptions::default(), &quiet());
@@ -66,35 +74,22 @@ fn faults_name_the_array() {
 }
 
 #[test]
-fn frames_and_size_are_those_of_the_opened_burst() {
-    let home = folder();
-    for t in 0..3 {
-        let path = home.join(format!("{t}.png"));
-        image::GrayImage::from_pixel(9, 7, image::Luma([9])).save(path).expect("written");
-    }
-    let of = |path: PathBuf| Info::of(&[path], &OpenOptions::default(), &quiet());
-    let shape = |info: &Info| (info.frames, info.width, info.height);
-    let whole = of(home.to_path_buf()).expect("described");
-    assert_eq!((shape(&whole), whole.files, &*whole.kind, &*whole.samples), ((3, 9, 7), 3, "PNG", "8 bit"));
-    assert!(whole.text().contains("3 frames of 9 × 7 in 3 files"), "{}", whole.text());
-    assert_eq!(shape(&of(home.join("1.png")).expect("described")), (1, 9, 7));
-    assert!(of(home.join("gone.png")).is_err());
-}
-
-#[test]
-fn times_are_said_in_words() {
-    let burst = Burst::from_planes("night", vec![Plane::zeros(2, 2)]);
-    let mut info = Info::of_burst(&burst, "made");
+fn times_and_rates_are_said_in_words() {
+    let mut info = Info::of_burst(&Burst::from_planes("night", vec![Plane::zeros(2, 2)]), "made");
     assert!(info.text().contains("not in the file"));
     (info.times_s, info.begins) = (vec![0.0, 0.5, 1.5], Some("2021-03-01T22:00:00.000Z".to_owned()));
     says(
         info.text(),
         &["from 2021-03-01T22:00:00.000Z, 1.500 s in all, 0.750000 s between frames (0.500000 … 1.000000)"],
     );
+    let text = |interval_s| Positions::even(3).with_interval(interval_s).rate_text();
+    assert_eq!(text(Some(0.04)), Some("1 px/frame is 25.0 px/s".to_owned()));
+    assert_eq!(text(Some(60.0)), Some("1 px/frame is 60.0 px/h".to_owned()));
+    assert_eq!(text(None), None);
 }
 
 #[test]
-fn a_grid_of_views_is_about_its_mean_and_a_row_is_as_frames() {
+fn views_are_about_their_mean_displaced_along_both_axes_and_refused_in_equal_places() {
     let grid = Positions::grid(3, 4);
     assert_eq!((grid.len(), grid.rows_and_columns(), grid.are_views()), (12, Some((3, 4)), true));
     assert_eq!((grid.offset(0), grid.offset(11)), (Offset { u: -1.5, v: -1.0 }, Offset { u: 1.5, v: 1.0 }));
@@ -106,10 +101,6 @@ fn a_grid_of_views_is_about_its_mean_and_a_row_is_as_frames() {
     let column = Positions::grid(5, 1);
     assert_eq!((column.rows_and_columns(), column.span()), (Some((5, 1)), 4.0));
     assert_eq!(grid.of(&[0, 2, 5]).rows_and_columns(), None);
-}
-
-#[test]
-fn a_disparity_displaces_along_columns_and_rows_alike() {
     let grid = Positions::grid(3, 3);
     assert_eq!(grid.displacement(0, (0.5, 0.0)), (-0.5, -0.5));
     assert_eq!(grid.displacement(2, (0.5, 0.0)), (0.5, -0.5));
@@ -117,23 +108,11 @@ fn a_disparity_displaces_along_columns_and_rows_alike() {
     assert_eq!(grid.displacement(2, (0.0, 0.5)), (0.5, 0.5));
     assert_eq!(Offset::from(-2.0).displacement((0.3, -0.7)), (-2.0 * 0.3, -2.0 * -0.7));
     assert_eq!(grid.offset_from(0..3, 5), Offset { u: 1.0, v: 1.0 });
-}
-
-#[test]
-fn places_that_are_equal_or_no_numbers_are_refused() {
     assert!(Positions::of_views(&[[0.0, 0.0], [1.0, 0.0], [1.0, 0.0]]).is_none());
     assert!(Positions::of_views(&[[0.0, 0.0], [f64::NAN, 1.0]]).is_none());
     assert!(Positions::of_views(&[[1.0, 0.0], [0.0, 0.0]]).is_none(), "a row goes to the right");
     assert!(Positions::of_views(&[[1.0, 0.0], [0.0, 2.5]]).is_some());
     assert!(Positions::of_lists(3, &[0.0, 1.0], &[]).is_none());
-}
-
-#[test]
-fn rates_are_in_seconds_or_hours() {
-    let text = |interval_s| Positions::even(3).with_interval(interval_s).rate_text();
-    assert_eq!(text(Some(0.04)), Some("1 px/frame is 25.0 px/s".to_owned()));
-    assert_eq!(text(Some(60.0)), Some("1 px/frame is 60.0 px/h".to_owned()));
-    assert_eq!(text(None), None);
 }
 
 /// Frames of u16 with a few soft lamps under noise, as bytes.

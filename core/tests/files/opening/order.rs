@@ -2,7 +2,6 @@
 //! burst, and what cannot be true.
 
 use super::support::*;
-use proptest::prelude::*;
 
 fn options(times: &str, take: &str) -> OpenOptions {
     OpenOptions { times: times.parse().ok(), take: take.parse().ok(), ..OpenOptions::default() }
@@ -23,7 +22,6 @@ fn info(folder: &Path, options: &OpenOptions) -> Result<Info, Error> {
     Info::of(&[folder.to_owned()], options, &quiet())
 }
 
-/// Names of pictures, from a list without their ending.
 fn pictures(list: &str) -> Vec<String> {
     list.split(", ").map(|name| format!("{name}.png")).collect()
 }
@@ -124,7 +122,7 @@ fn counters_are_no_fractions_of_a_second() {
 }
 
 #[test]
-fn a_name_without_number_stands_before_its_copies() {
+fn a_name_without_number_stands_before_its_copies_and_what_a_list_leaves_open_is_asked() {
     for names in [
         ["20210301_220000.png", "20210301_220000(1).png", "20210301_220000(2).png", "20210301_220000(10).png"],
         ["x.png", "x (2).png", "x (3).png", "x (10).png"],
@@ -135,8 +133,16 @@ fn a_name_without_number_stands_before_its_copies() {
         ["a_.png", "a_1.png", "a_1.tif.png", "a_2.png"],
         ["a.png", "frame_.png", "frame_1.png", "frame_2.png"],
     ] {
-        let home = frames(&names);
-        assert_eq!(Burst::open(&home).expect("a burst").frame_names, names);
+        assert_eq!(Burst::open(frames(&names)).expect("a burst").frame_names, names);
+    }
+    for (list, words) in [
+        ("0,10\n1,20\n2,30\n3,40\n4,50\n", "several numbers"),
+        ("59000.00100\n59000.00200\n59000.00300\n59000.00400\n59000.00500\n", "time_s or MJD"),
+        ("22:00:00\n1.5\n2.5\n3.5\n4.5\n", "mixed"),
+        ("time_ns\n0\n1\n2\n3\n4\n", "frames would be 1e-9 s apart"),
+        ("a/00000.png,1\nb/00000.png,2\nc/00001.png,3\nc/00002.png,4\nc/00003.png,5\nc/00004.png,6\n", "lines 1 and 2"),
+    ] {
+        says(listed(list).expect_err(list), &[words, "t.txt"]);
     }
 }
 
@@ -202,26 +208,12 @@ fn lists_of_loggers_spreadsheets_and_subtitles_are_read() {
         assert!(positions.iter().zip([0.0, 1.0, 2.0, 4.0, 5.0]).all(is_near), "{list}: {positions:?}; {note}");
         assert!((interval / interval_s - 1.0).abs() < 2e-3, "{list}: {interval}; {note}");
     }
-    // A list that goes on behind midnight.
     let list = "23:59:59.90\n23:59:59.95\n00:00:00.00\n00:00:00.05\n00:00:00.10\n";
     assert_eq!(listed(list).expect("a burst").0, [0.0, 1.0, 2.0, 3.0, 4.0]);
     // As shells on Windows write what a program prints.
     for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
         let list: Vec<u8> = format!("\u{feff}{list}").encode_utf16().flat_map(bytes).collect();
         assert_eq!(listed(list).expect("a burst").0, [0.0, 1.0, 2.0, 3.0, 4.0]);
-    }
-}
-
-#[test]
-fn what_a_list_leaves_open_is_asked() {
-    for (list, words) in [
-        ("0,10\n1,20\n2,30\n3,40\n4,50\n", "several numbers"),
-        ("59000.00100\n59000.00200\n59000.00300\n59000.00400\n59000.00500\n", "time_s or MJD"),
-        ("22:00:00\n1.5\n2.5\n3.5\n4.5\n", "mixed"),
-        ("time_ns\n0\n1\n2\n3\n4\n", "frames would be 1e-9 s apart"),
-        ("a/00000.png,1\nb/00000.png,2\nc/00001.png,3\nc/00002.png,4\nc/00003.png,5\nc/00004.png,6\n", "lines 1 and 2"),
-    ] {
-        says(listed(list).expect_err(list), &[words, "t.txt"]);
     }
 }
 
@@ -283,7 +275,6 @@ fn a_part_is_counted_in_the_order_of_the_whole() {
         }
         says(open_with(&home, &options(times, "3..6")).expect_err("there are five"), &["beyond the 5 frames"]);
     }
-    // A list of a part alone, and of a whole stack.
     fs::write(home.join("two.txt"), "0.5\n0.75\n").expect("written");
     assert_eq!(open_with(&home, &options("two.txt", "1..3")).expect("a part").positions.interval_s(), Some(0.25));
     let (other, stack) = folder_with("stack.npy");
@@ -291,7 +282,6 @@ fn a_part_is_counted_in_the_order_of_the_whole() {
     fs::write(other.join("five.txt"), "0\n0.5\n1\n2\n4\n").expect("written");
     let part = open_with(&stack, &options("five.txt", "2..5")).expect("a part");
     assert_eq!((part.positions.since_first(), part.positions.interval_s()), (vec![0.0, 1.0, 3.0], Some(1.0)));
-    // Bursts of a sequence follow one another in time.
     let sequence = find_bursts(&[home.to_owned()], &OpenOptions::default()).expect("a sequence").remove(0);
     let cut = SequenceCut::new(2, None).expect("a cut");
     let bursts = cut_sequence(&sequence, cut, &options("names", "")).expect("bursts");
@@ -395,7 +385,6 @@ proptest! {
         let interval = burst.positions.interval_s().expect("seconds");
         prop_assert!(is_open || (interval / (gap as f64 * 1e-9) - 1.0).abs() < 1e-3, "{names:?}: {interval}");
     }
-
     // Whatever names and lists hold, there is a burst with an interval that a camera can have, or an error.
     #[test]
     fn no_name_and_no_list_gives_times_that_cannot_be(

@@ -39,7 +39,6 @@ fn colour_of_8_bit_is_said_to_be_encoded_and_is_undone_when_asked() {
         // IEC 61966-2-1: ((188/255 + 0.055)/1.055)^2.4.
         assert!((undone.frames[0].at(0, 0) - 0.50289).abs() < 1e-4, "{name}: {}", undone.frames[0].at(0, 0));
     }
-    // Its ends, and its linear part.
     save(&at("ends.png"), &RgbImage::from_fn(3, 1, |u, _| Rgb([[0, 10, 255][u as usize]; 3])));
     let ends = linearised(&at("ends.png"));
     assert_eq!((ends.frames[0].at(0, 0), ends.frames[0].at(2, 0)), (0.0, 1.0));
@@ -48,7 +47,6 @@ fn colour_of_8_bit_is_said_to_be_encoded_and_is_undone_when_asked() {
     assert_close(&[linearised(&at("colour.png")).frames[0].at(3, 1)], &[0.2126 * 0.502_886]);
 }
 
-/// The bytes of an EXIF block with only the orientation.
 fn exif(orientation: u16) -> Vec<u8> {
     let mut bytes = b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01".to_vec();
     bytes.extend(orientation.to_be_bytes());
@@ -156,10 +154,8 @@ fn planes_in_tiles_open_at_any_size() {
                 );
             }
         }
-        // Each plane is at its place.
         fs::write(&path, tiled_planar(size, |plane, _, _| if plane == 1 { 255 } else { 0 })).expect("written");
-        let green = Burst::open(&path).expect("opens");
-        assert!(green.frames[0].data().iter().all(|v| (v - 0.7152).abs() < 1e-5));
+        assert!(Burst::open(&path).expect("opens").frames[0].data().iter().all(|v| (v - 0.7152).abs() < 1e-5));
     }
 }
 

@@ -2,8 +2,7 @@
 //! files in `samples/` were written by tifffile, numpy, astropy, serfilesreader and ffmpeg; their value number i is
 //! 7·i + 3 unless a test says another, and the expected values are those that the same tools read.
 
-use super::crafted;
-use super::support::*;
+use super::{crafted, support::*};
 use std::io::Read;
 
 /// Bytes of a file of another program; one that is stored compressed is unpacked.
@@ -22,7 +21,6 @@ pub(super) fn unpacked(bytes: &[u8]) -> Vec<u8> {
     whole
 }
 
-/// The samples, for the tests with damaged files.
 pub fn samples() -> Vec<(&'static str, Vec<u8>)> {
     let mut samples = vec![
         ("mono12.ser", sample!("mono12.ser").to_vec()),
@@ -87,7 +85,6 @@ fn array(name: &str) -> OpenOptions {
     OpenOptions { array: Some(name.to_owned()), ..plain() }
 }
 
-/// Values of all frames, in the files' unit.
 fn values(burst: &Burst) -> Vec<f32> {
     burst.frames.iter().flat_map(|frame| frame.data().iter().map(|v| v * burst.full_scale)).collect()
 }
@@ -127,16 +124,25 @@ fn files_without_header_have_the_shape_that_is_said() {
         assert_close(&values(&burst), expected);
     }
     // A file that begins like a picture by chance.
-    let chance = Made::new("chance.raw", b"BM\x89PNG\r\n\x1a\n\0\0");
-    assert_eq!(chance.open(&raw("4x3:u8")).expect("opens").len(), 1);
+    assert_eq!(Made::new("chance.raw", b"BM\x89PNG\r\n\x1a\n\0\0").open(&raw("4x3:u8")).expect("opens").len(), 1);
 }
 
 #[test]
-fn folders_of_files_without_header_are_frames_or_bursts() {
-    let home = folder();
-    for t in 0..3u8 {
-        fs::write(home.join(format!("f{t}.raw")), [t; 12]).expect("written");
+fn files_without_header_are_refused_with_what_reads_them_and_folders_of_them_are_frames() {
+    let file = Made::new("night.raw", &vec![0; 640 * 480 * 2 * 3]);
+    says(file.failure(&plain()), &["--raw", "640x480:u16le (3 frames)"]);
+    says(file.failure(&raw("641x480:u16le")), &["no whole number of frames of 641x480:u16le"]);
+    assert!(Made::new("odd.bin", &[0; 7]).failure(&plain()).contains("no usual size fills its 7 bytes"));
+    assert!(file.failure(&raw("640x480:u16le+99999999")).contains("0 bytes"));
+    for (name, start, way) in [
+        ("a.h5", b"\x89HDF\r\n\x1a\n\0\0".as_slice(), "h5py"),
+        ("a.mat", b"MATLAB 5.0 MAT-file, Platform", "scipy.io"),
+        ("a.fits.gz", b"\x1f\x8b\x08\0", "gunzip"),
+    ] {
+        says(Made::new(name, start).failure(&plain()), &[way]);
     }
+    let home = folder();
+    (0..3u8).for_each(|t| fs::write(home.join(format!("f{t}.raw")), [t; 12]).expect("written"));
     let paths = [home.to_path_buf()];
     let burst = Burst::open_with(&paths, &raw("4x3:u8"), &quiet()).expect("three frames");
     assert_eq!((burst.len(), burst.frame_names[2].as_str()), (3, "f2.raw"));
@@ -159,15 +165,6 @@ fn folders_of_files_without_header_are_frames_or_bursts() {
 }
 
 #[test]
-fn files_without_header_are_refused_with_their_likely_shapes() {
-    let file = Made::new("night.raw", &vec![0; 640 * 480 * 2 * 3]);
-    says(file.failure(&plain()), &["--raw", "640x480:u16le (3 frames)"]);
-    says(file.failure(&raw("641x480:u16le")), &["no whole number of frames of 641x480:u16le"]);
-    assert!(Made::new("odd.bin", &[0; 7]).failure(&plain()).contains("no usual size fills its 7 bytes"));
-    assert!(file.failure(&raw("640x480:u16le+99999999")).contains("0 bytes"));
-}
-
-#[test]
 fn a_mosaic_is_binned_in_every_kind_of_file() {
     // Green, red, blue, green.
     let square = [40u8, 10, 90, 60];
@@ -179,10 +176,9 @@ fn a_mosaic_is_binned_in_every_kind_of_file() {
     let array = Array3::from_shape_vec((1, 4, 4), bytes).expect("sixteen values");
     write_npy(home.join("m.npy"), &array).expect("written");
     for name in ["m.png", "m.tif", "m.raw", "m.npy"] {
-        for (colour, expected) in
-            [(RawColour::Luma, 50.0), (RawColour::Green, 50.0), (RawColour::Red, 10.0), (RawColour::Blue, 90.0)]
-        {
-            let options = OpenOptions { mosaic: Some(Mosaic::Grbg), raw_colour: colour, ..raw("4x4:u8") };
+        let greens = [(RawColour::Luma, 50.0), (RawColour::Green, 50.0)];
+        for (raw_colour, expected) in greens.into_iter().chain([(RawColour::Red, 10.0), (RawColour::Blue, 90.0)]) {
+            let options = OpenOptions { mosaic: Some(Mosaic::Grbg), raw_colour, ..raw("4x4:u8") };
             let paths = [home.join(name)];
             let burst = Burst::open_with(&paths, &options, &quiet()).expect(name);
             assert_eq!((burst.size(), burst.binning), ((2, 2), 2), "{name}");
@@ -202,6 +198,7 @@ fn a_mosaic_is_binned_in_every_kind_of_file() {
 fn arrays_have_frames_first_or_last_and_colours() {
     let (_home, path) = folder_with("a.npy");
     let open = |options: &OpenOptions| Burst::open_with(from_ref(&path), options, &quiet());
+    let zeros = |shape| write_npy(&path, &Array3::<u8>::zeros(shape)).expect("written");
     let last = Array3::from_shape_fn((24, 16, 2), |(v, u, t)| (v * 100 + u * 5 + t) as u16);
     write_npy(&path, &last).expect("written");
     let burst = open(&plain()).expect("opens");
@@ -210,11 +207,11 @@ fn arrays_have_frames_first_or_last_and_colours() {
     assert_eq!((at(0, 3, 7), at(1, 3, 7), at(1, 15, 23)), (715.0, 716.0, 2376.0));
     assert!(burst.notes().iter().any(|note| note.text.contains("last axis")), "it is told");
     assert_eq!(open(&axis("first")).expect("as it is said").size(), (2, 16));
-    write_npy(&path, &Array3::<u8>::zeros((20, 48, 12))).expect("written");
+    zeros((20, 48, 12));
     assert_eq!(open(&plain()).expect("not by far the shortest").size(), (12, 48));
     assert!(open(&axis("T")).expect_err("no names").to_string().contains("the axes of an array have no names"));
     // A picture with colours or frames: nobody knows.
-    write_npy(&path, &Array3::<u8>::zeros((24, 32, 3))).expect("written");
+    zeros((24, 32, 3));
     assert!(open(&plain()).expect_err("either").to_string().contains("3 colours or 3 frames"));
     assert_eq!(open(&axis("last")).expect("frames").len(), 3);
     let colours = Array4::from_shape_fn((2, 3, 4, 3), |(t, v, u, c)| (t * 60 + v * 10 + u + [0, 1, 2][c]) as u8);
@@ -223,8 +220,8 @@ fn arrays_have_frames_first_or_last_and_colours() {
     assert_eq!((burst.len(), burst.size(), burst.encoding), (2, (4, 3), Encoding::Srgb));
     let luma = |base: f32| base + 0.7152 + 2.0 * 0.0722;
     assert!((burst.frames[1].at(2, 1) * 255.0 - luma(72.0)).abs() < 1e-3);
-    write_npy(&path, &Array4::from_shape_fn((5, 1, 3, 4), |(t, _, v, u)| (t * 60 + v * 10 + u) as u8))
-        .expect("written");
+    let one = Array4::from_shape_fn((5, 1, 3, 4), |(t, _, v, u)| (t * 60 + v * 10 + u) as u8);
+    write_npy(&path, &one).expect("written");
     let burst = open(&plain()).expect("opens");
     assert_eq!((burst.len(), (burst.frames[2].at(3, 1) * 255.0).round()), (5, 133.0));
 }
@@ -243,14 +240,14 @@ fn archives_hold_one_array_of_frames() {
     let burst = stored.open(&plain()).expect("opens");
     assert_eq!((burst.len(), burst.full_scale), (2, 164.0));
     assert_close(&values(&burst), &numbered(0..24));
-    let (_home, path) = folder_with("both.npz");
-    let mut npz = ndarray_npy::NpzWriter::new(fs::File::create(&path).expect("created"));
-    npz.add_array("a", &Array3::<u8>::ones((2, 3, 4))).expect("written");
-    npz.add_array("b", &Array3::<u8>::zeros((5, 3, 4))).expect("written");
+    let both = Made::new("both.npz", b"");
+    let mut npz = ndarray_npy::NpzWriter::new(fs::File::create(&both.path).expect("created"));
+    for (name, frames) in [("a", 2), ("b", 5)] {
+        npz.add_array(name, &Array3::<u8>::ones((frames, 3, 4))).expect("written");
+    }
     npz.finish().expect("written");
-    let open = |options: &OpenOptions| Burst::open_with(from_ref(&path), options, &quiet());
-    assert!(open(&plain()).expect_err("two").to_string().contains("--array NAME"));
-    assert_eq!(open(&array("b")).expect("chosen").len(), 5);
+    says(both.failure(&plain()), &["--array NAME"]);
+    assert_eq!(both.open(&array("b")).expect("chosen").len(), 5);
 }
 
 #[test]
@@ -292,9 +289,9 @@ fn fits_images_are_those_that_astropy_reads() {
     let burst = extensions.open(&plain()).expect("opens");
     assert_close(&values(&burst), &numbered(0..20).iter().map(|v| v / 8.0).collect::<Vec<_>>());
     assert!(burst.notes().iter().any(|note| note.text.contains("SCI")), "{:?}", burst.notes());
+    let below: Vec<f32> = numbered(0..20).iter().map(|v| -v).collect();
     for name in ["DQ", "1"] {
-        let burst = extensions.open(&array(name)).expect("chosen");
-        assert_close(&values(&burst), &numbered(0..20).iter().map(|v| -v).collect::<Vec<_>>());
+        assert_close(&values(&extensions.open(&array(name)).expect("chosen")), &below);
     }
     assert!(extensions.failure(&array("ERR")).contains("SCI, DQ"));
     let scaled = Made::new("scaled.fits", sample!("scaled.fits", gz));
@@ -306,7 +303,7 @@ fn fits_images_are_those_that_astropy_reads() {
 
 /// Each image of the sample stands there twice: compressed by astropy, and as astropy reads it.
 #[test]
-fn tiles_of_fits_hold_what_astropy_reads() {
+fn tiles_of_fits_hold_what_astropy_reads_and_what_is_not_asked_for_is_read_by_name() {
     let file = Made::new("tiles.fits.fz", sample!("tiles.fits", gz));
     for (name, _) in TILES {
         let (packed, read) = (file.open(&frames_of(name)), file.open(&frames_of(&format!("{name}_READ"))));
@@ -319,6 +316,18 @@ fn tiles_of_fits_hold_what_astropy_reads() {
         assert_eq!(values(&file.open(&part).expect(name)), values(&read)[240..], "{name}");
     }
     assert_eq!(file.info(&axis("last")).kind, "FITS");
+    // Results and lists beside frames are no frames.
+    let home = folder();
+    (0..3).for_each(|t| save(&home.join(format!("{t}.png")), &grey8(4, 3, t)));
+    for (name, bytes) in
+        [("features.npz", sample!("two.npz")), ("times.dat", b"0 1 2"), ("all.mp4", b"\0\0\0\x18ftypisom")]
+    {
+        fs::write(home.join(name), bytes).expect("written");
+    }
+    assert_eq!(Burst::open(&home).expect("opens").len(), 3);
+    let of = |name: &str| Info::of(&[home.join(name)], &plain(), &quiet());
+    assert!(of("times.dat").is_err() && of("0.png").is_ok_and(|info| info.kind == "PNG"));
+    assert!(Path::new(&of("0.png").expect("described").name).extension().is_none());
 }
 
 #[test]
@@ -354,14 +363,16 @@ fn damage_of_fits_names_the_keyword() {
         bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
         Made::new("bad.fits", &bytes).failure(&axis("last"))
     };
-    assert!(
-        changed("NAXIS   =                    3", "NAXIS   =                    x")
-            .contains("NAXIS is no whole number")
-    );
-    assert!(changed("NAXIS2  =                    4", "NAXIS2  =                   -4").contains("NAXIS2"));
-    assert!(changed("BITPIX  =                   16", "BITPIX  =                   17").contains("BITPIX is 17"));
-    assert!(changed("BZERO   =                32768", "BZERO   =                 many").contains("BZERO is no number"));
-    assert!(changed("NAXIS1  =                    5", "NAXIS1  =              9999999").contains("9999999×4"));
+    let card = |name: &str, value: &str| format!("{name:<8}= {value:>20}");
+    for (name, from, to, words) in [
+        ("NAXIS", "3", "x", "NAXIS is no whole number"),
+        ("NAXIS2", "4", "-4", "NAXIS2"),
+        ("BITPIX", "16", "17", "BITPIX is 17"),
+        ("BZERO", "32768", "many", "BZERO is no number"),
+        ("NAXIS1", "5", "9999999", "9999999×4"),
+    ] {
+        says(changed(&card(name, from), &card(name, to)), &[words]);
+    }
     assert!(changed("END     ", "EMD     ").contains("too early"));
     // The third axis is wavelengths.
     let mut bytes = whole.clone();
@@ -502,33 +513,6 @@ fn films_are_decoded_by_ffmpeg_with_all_bits() {
     }
     let cut = sample!("grey16.mkv");
     assert!(Made::new("cut.mkv", &cut[..cut.len() / 2]).failure(&plain()).contains("and says"));
-}
-
-#[test]
-fn formats_of_others_are_refused_with_what_reads_them() {
-    for (name, start, way) in [
-        ("a.h5", b"\x89HDF\r\n\x1a\n\0\0".as_slice(), "h5py"),
-        ("a.mat", b"MATLAB 5.0 MAT-file, Platform", "scipy.io"),
-        ("a.fits.gz", b"\x1f\x8b\x08\0", "gunzip"),
-    ] {
-        says(Made::new(name, start).failure(&plain()), &[way]);
-    }
-}
-
-#[test]
-fn what_is_not_asked_for_is_read_by_name() {
-    // Results and lists beside frames are no frames.
-    let home = folder();
-    (0..3).for_each(|t| save(&home.join(format!("{t}.png")), &grey8(4, 3, t)));
-    for (name, bytes) in
-        [("features.npz", sample!("two.npz")), ("times.dat", b"0 1 2"), ("all.mp4", b"\0\0\0\x18ftypisom")]
-    {
-        fs::write(home.join(name), bytes).expect("written");
-    }
-    assert_eq!(Burst::open(&home).expect("opens").len(), 3);
-    let of = |name: &str| Info::of(&[home.join(name)], &plain(), &quiet());
-    assert!(of("times.dat").is_err() && of("0.png").is_ok_and(|info| info.kind == "PNG"));
-    assert!(Path::new(&of("0.png").expect("described").name).extension().is_none());
 }
 
 #[cfg(unix)]

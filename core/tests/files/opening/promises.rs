@@ -16,7 +16,6 @@ fn taking(options: &OpenOptions) -> OpenOptions {
     OpenOptions { take: Some("0..2".parse().expect("a range")), ..options.clone() }
 }
 
-/// Writes a file and opens it.
 fn opened(name: &str, bytes: &[u8]) -> Result<Burst, Error> {
     let folder = folder();
     let path = folder.join(name);
@@ -39,7 +38,7 @@ fn refused(name: &str, bytes: &[u8], words: &str) {
 
 /// A file that is cut is refused, unless nothing but bytes that are no frame's is missing.
 #[test]
-fn a_cut_file_is_refused_or_all_its_frames_are_there() {
+fn a_cut_file_is_refused_or_all_its_frames_are_there_and_a_film_that_is_cut_within_its_times_says_so() {
     // Frames without a header end anywhere.
     for (name, bytes) in formats().filter(|(name, _)| *name != "dump.raw") {
         let whole = opened(name, bytes).expect(name);
@@ -51,6 +50,16 @@ fn a_cut_file_is_refused_or_all_its_frames_are_there() {
             }
         }
     }
+    let film = samples().iter().find(|(name, _)| *name == "mono12.ser").expect("a film").1.clone();
+    let whole = opened("film.ser", &film).expect("whole");
+    let (_folder, path) = folder_with("film.ser");
+    let info = || Info::of(from_ref(&path), &OpenOptions::default(), &quiet()).expect("described");
+    fs::write(&path, &film).expect("written");
+    assert!(info().times_s.len() == whole.len() && !info().taken.iter().any(|note| note.contains("cut")));
+    fs::write(&path, &film[..film.len() - 1]).expect("written");
+    let told = info();
+    assert!(told.times_s.is_empty() && told.taken.iter().any(|note| note.contains("may be cut")), "{told:?}");
+    assert!(opened("film.ser", &film[..film.len() - 1]).expect("its frames are whole").frames == whole.frames);
 }
 
 /// A changed bit of what a checksum claims never gives other pixels.
@@ -100,7 +109,7 @@ fn a_changed_bit_is_noticed_where_there_is_a_checksum() {
 }
 
 #[test]
-fn a_fits_image_that_does_not_add_up_opens_if_that_is_wanted() {
+fn fits_images_that_do_not_add_up_open_on_demand_and_pictures_of_this_program_are_known() {
     let mut changed = unpacked(include_bytes!("samples/summed.fits.gz"));
     opened("summed.fits", &changed).expect("as astropy wrote it");
     changed[2880 + 5] ^= 1;
@@ -111,6 +120,19 @@ fn a_fits_image_that_does_not_add_up_opens_if_that_is_wanted() {
     assert!(part.remedy.contains("--accept-damaged"), "{part}");
     let accepted = OpenOptions { accept_damaged: true, ..options_for("summed.fits") };
     assert_eq!(open_with(&path, &accepted).expect("accepted").len(), 2);
+    use burstscope_core::export::{Bitmap, is_ours, write_png};
+    let (_folder, path) = folder_with("a.png");
+    let mut braces = 0;
+    for seed in 0..400u32 {
+        let pixels: Vec<u8> = (0..48u32).map(|i| (i * 31 + seed * 77) as u8 ^ (seed >> 2) as u8).collect();
+        write_png(&path, Bitmap::rgb(4, 4, &pixels)).expect("written");
+        let bytes = fs::read(&path).expect("read");
+        let checksum = &bytes[bytes.len() - 16..bytes.len() - 12];
+        braces += u32::from(checksum.contains(&b'}'));
+        assert!(is_ours(&path), "picture {seed}, whose checksum is {checksum:x?}");
+    }
+    assert!(braces > 0, "no checksum had a brace");
+    assert_eq!(crc(b"IEND"), 0xae42_6082);
 }
 
 #[test]
@@ -162,8 +184,7 @@ fn any_number_of_frames_is_described_at_once_and_taken_in_part() {
             // Without a part it is refused for its number of frames.
             Err(error) => assert!(error.to_string().contains(&format!("{frames} frames")), "{error}"),
         }
-        let info = Info::of(from_ref(&path), &taking(&options), &quiet()).expect(name);
-        assert_eq!(info.frames, 2, "{name}");
+        assert_eq!(Info::of(from_ref(&path), &taking(&options), &quiet()).expect(name).frames, 2, "{name}");
         assert!(open_with(&path, &options).expect_err("too many").to_string().contains("4096 frames"), "{name}");
         assert_eq!(open_with(&path, &taking(&options)).expect(name).len(), 2, "{name}");
         let cut = SequenceCut::new(5, None).expect("a cut");
@@ -171,8 +192,7 @@ fn any_number_of_frames_is_described_at_once_and_taken_in_part() {
         says(cut_sequence(&sequence, cut, &options).expect_err("one file"), &["this one file holds"]);
         paths.push(path);
     }
-    let found = find_bursts(&paths[1..], &OpenOptions::default()).expect("found");
-    assert_eq!(found.len(), 3);
+    assert_eq!(find_bursts(&paths[1..], &OpenOptions::default()).expect("found").len(), 3);
 }
 
 /// Cards of a table whose numbers lead a decoder astray.
@@ -297,48 +317,10 @@ fn deflated_tiff() -> (Vec<u8>, usize) {
 }
 
 #[test]
-fn deflated_strips_of_a_tiff_are_whole_or_refused() {
+fn deflated_strips_of_a_tiff_are_whole_and_its_directories_lead_somewhere_or_are_refused() {
     let (bytes, _) = deflated_tiff();
     opened("strip.tif", &bytes).expect("whole");
-    for cut in 1..7 {
-        refused("strip.tif", &bytes[..bytes.len() - cut], "ends before its picture data does");
-    }
-}
-
-#[test]
-fn a_film_that_is_cut_within_its_times_says_so() {
-    let film = samples().iter().find(|(name, _)| *name == "mono12.ser").expect("a film").1.clone();
-    let whole = opened("film.ser", &film).expect("whole");
-    let (_folder, path) = folder_with("film.ser");
-    let info = || Info::of(from_ref(&path), &OpenOptions::default(), &quiet()).expect("described");
-    fs::write(&path, &film).expect("written");
-    assert!(info().times_s.len() == whole.len() && !info().taken.iter().any(|note| note.contains("cut")));
-    fs::write(&path, &film[..film.len() - 1]).expect("written");
-    let told = info();
-    assert!(told.times_s.is_empty() && told.taken.iter().any(|note| note.contains("may be cut")), "{told:?}");
-    assert!(opened("film.ser", &film[..film.len() - 1]).expect("its frames are whole").frames == whole.frames);
-}
-
-/// Bytes behind a mark, as those of a checksum, may be any: all pictures of this program are known as its own.
-#[test]
-fn every_picture_of_this_program_is_known_as_its_own() {
-    use burstscope_core::export::{Bitmap, is_ours, write_png};
-    let (_folder, path) = folder_with("a.png");
-    let mut braces = 0;
-    for seed in 0..400u32 {
-        let pixels: Vec<u8> = (0..48u32).map(|i| (i * 31 + seed * 77) as u8 ^ (seed >> 2) as u8).collect();
-        write_png(&path, Bitmap::rgb(4, 4, &pixels)).expect("written");
-        let bytes = fs::read(&path).expect("read");
-        let checksum = &bytes[bytes.len() - 16..bytes.len() - 12];
-        braces += u32::from(checksum.contains(&b'}'));
-        assert!(is_ours(&path), "picture {seed}, whose checksum is {checksum:x?}");
-    }
-    assert!(braces > 0, "no checksum had a brace");
-    assert_eq!(crc(b"IEND"), 0xae42_6082);
-}
-
-#[test]
-fn directories_of_a_tiff_that_lead_nowhere_or_in_circles_are_refused() {
+    (1..7).for_each(|cut| refused("strip.tif", &bytes[..bytes.len() - cut], "ends before its picture data does"));
     let long = 4;
     let mut bytes = directory(&[(256, long, 1, 4)], 0);
     let next = bytes.len() - 4;
@@ -346,9 +328,7 @@ fn directories_of_a_tiff_that_lead_nowhere_or_in_circles_are_refused() {
     refused("circle.tif", &bytes, "back to itself");
     bytes[next..].copy_from_slice(&9999u32.to_le_bytes());
     refused("beyond.tif", &bytes, "beyond its end");
-    for cut in 8..bytes.len() {
-        refused("cut.tif", &bytes[..cut], "");
-    }
+    (8..bytes.len()).for_each(|cut| refused("cut.tif", &bytes[..cut], ""));
     // Many entries that share a long place.
     let many = vec![(50000, 1, 1 << 20, 8); 4000];
     refused("shared.tif", &directory(&many, 1 << 21), "far more than the file holds");

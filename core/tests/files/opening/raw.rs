@@ -1,7 +1,6 @@
 //! Raw frames: DNG files written here, and files of a real camera.
 
-use super::dng::{Dng, sensor_values};
-use super::support::*;
+use super::{dng::Dng, dng::sensor_values, support::*};
 
 /// Red 164, green 264 and 364, blue 564, in every square.
 fn colours(u: usize, v: usize) -> u16 {
@@ -9,7 +8,7 @@ fn colours(u: usize, v: usize) -> u16 {
 }
 
 #[test]
-fn squares_are_binned_and_colours_are_kept_apart() {
+fn squares_are_binned_and_colours_are_kept_apart_and_without_colours_nothing_is_binned() {
     let (_folder, path) = folder_with("a.dng");
     fs::write(&path, Dng::new((8, 6), colours).bytes()).expect("written");
     let range = 1023.0 - 64.0;
@@ -27,10 +26,15 @@ fn squares_are_binned_and_colours_are_kept_apart() {
             assert!((value - expected).abs() < 1e-6, "{colour:?}: {value} instead of {expected}");
         }
     }
+    fs::write(&path, Dng { mosaic: None, ..Dng::new((5, 3), |u, v| 64 + (10 * v + u) as u16) }.bytes())
+        .expect("written");
+    let burst = Burst::open(&path).expect("opens");
+    assert_eq!((burst.size(), burst.binning), ((5, 3), 1));
+    assert!((burst.frames[0].at(4, 2) - 24.0 / 959.0).abs() < 1e-6);
 }
 
 #[test]
-fn black_levels_are_those_of_each_colour_and_below_them_is_negative() {
+fn colours_columns_and_rows_have_black_levels_of_their_own_and_below_them_is_negative() {
     let (_folder, path) = folder_with("a.dng");
     let dng = Dng {
         black: [64, 70, 80, 100],
@@ -41,17 +45,10 @@ fn black_levels_are_those_of_each_colour_and_below_them_is_negative() {
     let dark = -10.0 * [64.0, 70.0, 80.0, 100.0].map(|black: f32| 1.0 / (1023.0 - black)).iter().sum::<f32>() / 4.0;
     assert!((burst.frames[0].at(0, 0) - dark).abs() < 1e-6, "{}", burst.frames[0].at(0, 0));
     assert!((burst.frames[0].at(1, 0) - 1.0).abs() < 1e-6);
-    // Given levels replace those of the file.
     let own = OpenOptions { black_level: Some(0.0), full_scale: Some(2046.0), ..OpenOptions::default() };
     let burst = open_with(&path, &own).expect("opens");
     assert!((burst.frames[0].at(1, 0) - 0.5).abs() < 1e-6 && burst.full_scale == 2046.0);
-    let wrong = OpenOptions { black_level: Some(5000.0), ..OpenOptions::default() };
-    assert!(open_with(&path, &wrong).is_err());
-}
-
-#[test]
-fn columns_and_rows_have_black_levels_of_their_own() {
-    let (_folder, path) = folder_with("a.dng");
+    assert!(open_with(&path, &OpenOptions { black_level: Some(5000.0), ..OpenOptions::default() }).is_err());
     // One masked column at the left: the black steps are counted from the active area on.
     let (columns, rows) = (vec![0, 3, -2, 5], vec![-4, 1]);
     let value = |u: usize, v: usize| match u {
@@ -69,7 +66,6 @@ fn columns_and_rows_have_black_levels_of_their_own() {
             assert!((burst.frames[0].at(u, v) - expected).abs() < 1e-6, "{u}, {v}");
         }
     }
-    // A given level replaces all others.
     let own = OpenOptions { black_level: Some(0.0), ..OpenOptions::default() };
     let value = f32::from(64 + 500 + columns[1] + rows[0]) / 1023.0;
     assert!((open_with(&path, &own).expect("opens").frames[0].at(1, 0) - value).abs() < 1e-6);
@@ -78,7 +74,7 @@ fn columns_and_rows_have_black_levels_of_their_own() {
 }
 
 #[test]
-fn the_active_area_is_taken_wherever_it_begins() {
+fn the_active_area_is_taken_wherever_it_begins_and_damaged_and_huge_files_are_errors() {
     let (_folder, path) = folder_with("a.dng");
     // Two masked rows above and three masked columns at the left: the mosaic begins after them.
     let masked = |u: usize, v: usize| if u < 3 || v < 2 { 64 } else { colours(u - 3, v - 2) };
@@ -93,16 +89,19 @@ fn the_active_area_is_taken_wherever_it_begins() {
     assert_eq!(Burst::open(&path).expect("opens").size(), (3, 4));
     let single = OpenOptions { mosaic: Some(Mosaic::None), ..OpenOptions::default() };
     assert_eq!(open_with(&path, &single).expect("opens").size(), (6, 8));
-}
-
-#[test]
-fn a_sensor_without_colours_is_not_binned() {
-    let (_folder, path) = folder_with("a.dng");
-    fs::write(&path, Dng { mosaic: None, ..Dng::new((5, 3), |u, v| 64 + (10 * v + u) as u16) }.bytes())
-        .expect("written");
-    let burst = Burst::open(&path).expect("opens");
-    assert_eq!((burst.size(), burst.binning), ((5, 3), 1));
-    assert!((burst.frames[0].at(4, 2) - 24.0 / 959.0).abs() < 1e-6);
+    let whole = Dng::new((16, 12), colours).bytes();
+    let small = Limits { max_side_px: 8, ..Limits::default() };
+    fs::write(&path, &whole).expect("written");
+    let error = open_with(&path, &OpenOptions { limits: small, ..OpenOptions::default() }).expect_err("too large");
+    assert_eq!(error.kind, ErrorKind::TooLarge, "{error}");
+    for length in [0, 4, 9, 60, 200, 300, whole.len() - 30, whole.len() - 1] {
+        fs::write(&path, &whole[..length]).expect("written");
+        if let Err(error) = Burst::open(&path) {
+            assert!(error.to_string().contains("a.dng"), "{error}");
+        } else {
+            assert_eq!(length, whole.len() - 1, "only the padding may be missing");
+        }
+    }
 }
 
 #[test]
@@ -138,22 +137,4 @@ fn a_folder_of_raw_frames_is_a_burst_with_bias_and_features() {
     let error =
         open_with(&night, &OpenOptions { bias: Some(png), ..OpenOptions::default() }).expect_err("another kind");
     assert!(error.problem.contains("the bias frame does not fit"), "{error}");
-}
-
-#[test]
-fn damaged_and_huge_files_are_errors() {
-    let (_folder, path) = folder_with("a.dng");
-    let whole = Dng::new((16, 12), colours).bytes();
-    let small = Limits { max_side_px: 8, ..Limits::default() };
-    fs::write(&path, &whole).expect("written");
-    let error = open_with(&path, &OpenOptions { limits: small, ..OpenOptions::default() }).expect_err("too large");
-    assert_eq!(error.kind, ErrorKind::TooLarge, "{error}");
-    for length in [0, 4, 9, 60, 200, 300, whole.len() - 30, whole.len() - 1] {
-        fs::write(&path, &whole[..length]).expect("written");
-        if let Err(error) = Burst::open(&path) {
-            assert!(error.to_string().contains("a.dng"), "{error}");
-        } else {
-            assert_eq!(length, whole.len() - 1, "only the padding may be missing");
-        }
-    }
 }

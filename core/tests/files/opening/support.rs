@@ -5,13 +5,11 @@ pub use image::{ImageBuffer, Luma, Rgb};
 pub use ndarray::{Array2, Array3, Array4};
 pub use ndarray_npy::write_npy;
 pub use std::slice::from_ref;
-pub use tiff::encoder::{TiffEncoder, colortype};
-pub use tiff::tags::Tag;
+pub use tiff::{encoder::TiffEncoder, encoder::colortype, tags::Tag};
 
 use image::Pixel;
 use tiff::encoder::{TiffValue, colortype::ColorType};
 
-/// Saves a picture in the format of its name's extension.
 pub fn save<P>(path: &Path, image: &ImageBuffer<P, Vec<P::Subpixel>>)
 where
     P: Pixel + image::PixelWithColorType,
@@ -32,22 +30,17 @@ where
 {
     let file = fs::File::create(path).expect("created");
     let mut encoder = TiffEncoder::new(file).expect("a TIFF begins");
-    for page in pages {
-        encoder.write_image::<C>(size.0, size.1, page).expect("a page is written");
-    }
+    pages.iter().for_each(|page| encoder.write_image::<C>(size.0, size.1, page).expect("a page is written"));
 }
 
-/// Opens files with the default options.
 pub fn open(paths: &[PathBuf]) -> Result<Burst, Error> {
     Burst::open_with(paths, &OpenOptions::default(), &quiet())
 }
 
-/// Opens one file or folder.
 pub fn open_with(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
     Burst::open_with(&[path.to_owned()], options, &quiet())
 }
 
-/// A file in a folder of its own.
 pub struct Made {
     pub folder: Folder,
     pub path: PathBuf,

@@ -1,7 +1,6 @@
 //! Times of frames: lists, names and what files hold. The photographs in `samples/` were written by Pillow.
 
 use super::support::*;
-use proptest::prelude::*;
 
 fn options(times: &str) -> OpenOptions {
     OpenOptions { times: times.parse().ok(), ..OpenOptions::default() }
@@ -19,7 +18,6 @@ fn with_list(names: &[&str], list: &str, times: &str) -> Result<Burst, Error> {
     open(&home, times)
 }
 
-/// Positions, seconds of an interval and note of a burst.
 fn timed(burst: Result<Burst, Error>) -> (Vec<f64>, f64, String) {
     let burst = burst.expect("a burst");
     let note = burst.taken.last().cloned().unwrap_or_default();
@@ -27,7 +25,7 @@ fn timed(burst: Result<Burst, Error>) -> (Vec<f64>, f64, String) {
 }
 
 #[test]
-fn lists_of_robots_are_read_beside_the_frames() {
+fn lists_of_robots_are_read_beside_the_frames_and_frames_are_in_the_order_of_their_times() {
     let tum = "# color images\n# timestamp filename\n5.25 rgb/5.25.png\n5.5 rgb/5.5.png\n6.0 rgb/6.0.png\n6.25 rgb/6.25.png\n";
     let (positions, interval_s, note) = timed(with_list(&["5.25.png", "5.5.png", "6.25.png"], tum, "list.txt"));
     assert_eq!((positions, interval_s), (vec![0.0, 1.0, 4.0], 0.25), "lines of other frames do not count");
@@ -57,10 +55,6 @@ fn lists_of_robots_are_read_beside_the_frames() {
         assert_eq!(positions, [0.0, 1.0, 3.0], "{list}");
         assert!((interval - interval_s).abs() < 1e-9 && note.contains(unit), "{list}: {interval} {note}");
     }
-}
-
-#[test]
-fn frames_are_in_the_order_of_their_times() {
     let burst = with_list(&["a.png", "b.png", "c.png"], "c.png,0.5\na.png,1.5\nb.png,1\n", "list.txt");
     let burst = burst.expect("a burst");
     assert_eq!(burst.frame_names, ["c.png", "b.png", "a.png"]);

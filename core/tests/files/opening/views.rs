@@ -3,11 +3,9 @@
 use super::support::*;
 use image::GrayImage;
 use ndarray::Array5;
-use proptest::prelude::*;
 
 const ROWS: usize = 3;
 const COLUMNS: usize = 5;
-/// Columns and rows of a view.
 const SIZE: (usize, usize) = (20, 18);
 
 fn value(row: usize, column: usize, u: usize, v: usize) -> u8 {
@@ -30,13 +28,11 @@ fn open(path: &Path, views: &str) -> Result<Burst, Error> {
 fn views(name: impl Fn(usize, usize) -> String) -> Folder {
     let home = folder();
     for (row, column) in (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (row, column))) {
-        let view = picture(SIZE, |u, v| value(row, column, u, v));
-        save(&home.join(name(row, column)), &view);
+        save(&home.join(name(row, column)), &picture(SIZE, |u, v| value(row, column, u, v)));
     }
     home
 }
 
-/// Whether a burst has all views, each at its place.
 fn is_whole(burst: &Burst) -> bool {
     let is_view = |k: usize| {
         let at = |u: usize, v: usize| f32::from(value(k / COLUMNS, k % COLUMNS, u, v)) / 255.0;
@@ -59,7 +55,6 @@ fn names_arrays_and_pictures_of_all_views_give_the_same_light_field() {
     let others = views(|row, column| format!("shot_{row}_{column}_{}.5.png", 9 - column));
     assert!(is_whole(&open(&others, "names").expect("a light field")));
     assert!(!open(&others, "").expect("a burst").positions.are_views());
-
     let home = folder();
     let path = |name: &str| home.join(name);
     let all = (COLUMNS * SIZE.0, ROWS * SIZE.1);
@@ -92,8 +87,38 @@ fn names_arrays_and_pictures_of_all_views_give_the_same_light_field() {
     assert!(is_whole(&made));
 }
 
+/// Opens small pictures of these names as one burst: its positions, and its names in their order.
+fn named(names: &[&str], views: &str) -> Result<(Positions, Vec<String>), Error> {
+    let home = folder();
+    names.iter().for_each(|name| save(&home.join(name), &picture((4, 3), |u, v| (u + v) as u8)));
+    let files: Vec<PathBuf> = names.iter().map(|name| home.join(name)).collect();
+    let burst = Burst::open_with(&files, &options(views), &quiet())?;
+    Ok((burst.positions, burst.frame_names))
+}
+
 #[test]
-fn pictures_of_all_views_are_bursts_of_a_dataset_and_one_row_is_a_burst() {
+fn views_are_told_by_usual_names_pictures_of_all_are_bursts_and_no_light_fields_are_refused() {
+    for names in [
+        ["view_03_07.png", "view_03_08.png", "view_04_07.png", "view_04_08.png"],
+        ["0_0.png", "0_1.png", "1_0.png", "1_1.png"],
+    ] {
+        assert_eq!(named(&names, "").expect("placed").0, Positions::grid(2, 2), "{names:?}");
+    }
+    // No full grid, one row, something behind, another word before, an option that says otherwise: frames in time.
+    for (names, views) in [
+        (&["0_0.png", "0_1.png", "1_0.png"][..], ""),
+        (&["view_0_0.png", "view_0_1.png", "view_0_2.png"], ""),
+        (&["0_0a.png", "0_1a.png", "1_0a.png", "1_1a.png"], ""),
+        (&["cam_0_0.png", "cam_0_1.png", "cam_1_0.png", "cam_1_1.png"], ""),
+        (&["0_0.png", "0_1.png", "1_0.png", "1_1.png"], "1x4"),
+    ] {
+        assert_eq!(named(names, views).expect("placed").0, Positions::even(names.len()), "{names:?}");
+    }
+    let names = ["out_01_00_-3.5_7.png", "out_00_01_2.5_8.png", "out_00_00_1.5_8.png"];
+    let (positions, order) = named(&names, "names").expect("placed");
+    assert_eq!(Some(positions), Positions::of_views(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]));
+    assert_eq!(order, [names[2], names[1], names[0]]);
+    says(named(&["a.png", "b.png", "c.png"], "names").expect_err("refused"), &["'a.png' has no row and column"]);
     let home = folder();
     let all = (COLUMNS * SIZE.0, ROWS * SIZE.1);
     for name in ["a.png", "b.png"] {
@@ -103,13 +128,8 @@ fn pictures_of_all_views_are_bursts_of_a_dataset_and_one_row_is_a_burst() {
     let found = find_bursts(&input, &options("3x5:tiled")).expect("bursts");
     assert_eq!(found.iter().map(|burst| &*burst.name).collect::<Vec<_>>(), ["a", "b"]);
     let usual = views(|row, column| format!("{row}_{column}.png"));
-    let burst = open(&usual, "1x15").expect("a burst");
-    assert_eq!(burst.positions, Positions::even(15));
+    assert_eq!(open(&usual, "1x15").expect("a burst").positions, Positions::even(15));
     assert!(Info::of(&[usual.to_owned()], &options("1x15"), &quiet()).expect("described").views.is_none());
-}
-
-#[test]
-fn what_is_no_light_field_is_refused_with_a_remedy() {
     let usual = views(|row, column| format!("view_{row}_{column}.png"));
     let refused = |path: &Path, options: &OpenOptions| {
         let opened = Burst::open_with(&[path.to_owned()], options, &quiet());
@@ -134,40 +154,6 @@ fn what_is_no_light_field_is_refused_with_a_remedy() {
     let paths: Vec<PathBuf> = vec![file.clone(), file];
     let several = Burst::open_with(&paths, &options("3x5"), &quiet()).expect_err("two files");
     assert!(several.to_string().contains("15 views, but there are 2 frames"), "{several}");
-}
-
-/// Opens small pictures of these names as one burst: its positions, and its names in their order.
-fn named(names: &[&str], views: &str) -> Result<(Positions, Vec<String>), Error> {
-    let home = folder();
-    names.iter().for_each(|name| save(&home.join(name), &picture((4, 3), |u, v| (u + v) as u8)));
-    let files: Vec<PathBuf> = names.iter().map(|name| home.join(name)).collect();
-    let burst = Burst::open_with(&files, &options(views), &quiet())?;
-    Ok((burst.positions, burst.frame_names))
-}
-
-#[test]
-fn rows_and_columns_in_usual_names_need_no_option_and_others_do() {
-    for names in [
-        ["view_03_07.png", "view_03_08.png", "view_04_07.png", "view_04_08.png"],
-        ["0_0.png", "0_1.png", "1_0.png", "1_1.png"],
-    ] {
-        assert_eq!(named(&names, "").expect("placed").0, Positions::grid(2, 2), "{names:?}");
-    }
-    // No full grid, one row, something behind, another word before, an option that says otherwise: frames in time.
-    for (names, views) in [
-        (&["0_0.png", "0_1.png", "1_0.png"][..], ""),
-        (&["view_0_0.png", "view_0_1.png", "view_0_2.png"], ""),
-        (&["0_0a.png", "0_1a.png", "1_0a.png", "1_1a.png"], ""),
-        (&["cam_0_0.png", "cam_0_1.png", "cam_1_0.png", "cam_1_1.png"], ""),
-        (&["0_0.png", "0_1.png", "1_0.png", "1_1.png"], "1x4"),
-    ] {
-        assert_eq!(named(names, views).expect("placed").0, Positions::even(names.len()), "{names:?}");
-    }
-    let names = ["out_01_00_-3.5_7.png", "out_00_01_2.5_8.png", "out_00_00_1.5_8.png"];
-    let (positions, order) = named(&names, "names").expect("placed");
-    assert_eq!(Some(positions), Positions::of_views(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]));
-    assert_eq!(order, [names[2], names[1], names[0]]);
-    says(named(&["a.png", "b.png", "c.png"], "names").expect_err("refused"), &["'a.png' has no row and column"]);
 }
 
 proptest! {
