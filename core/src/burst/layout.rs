@@ -117,7 +117,7 @@ impl Mosaic {
         Self::of(|du, dv| self.colour_at(u + du, v + dv)).unwrap_or(self)
     }
 
-    /// The mosaic whose pixels have these colours, if it is one of [`Self::ALL`].
+    /// Mosaic with these colours of its pixels; `None` for a square that is not in [`Self::ALL`].
     pub(super) fn of(colour_at: impl Fn(usize, usize) -> usize) -> Option<Self> {
         let is_this = |mosaic: &Self| (0..4).all(|k| mosaic.colour_at(k % 2, k / 2) == colour_at(k % 2, k / 2));
         Self::ALL.into_iter().find(is_this)

@@ -74,7 +74,7 @@ pub struct OpenOptions {
     #[cfg_attr(feature = "cli", arg(long, value_name = "AXIS"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis: Option<AxisChoice>,
-    /// Array of an .npz archive, or image of a FITS file, that holds the frames.
+    /// Array of an .npz archive, image of a FITS or OME file, or track of a film, that holds the frames.
     #[cfg_attr(feature = "cli", arg(long, value_name = "NAME"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub array: Option<String>,

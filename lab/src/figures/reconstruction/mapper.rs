@@ -1,10 +1,9 @@
 //! One method on one trajectory: writes the dataset and its database, runs COLMAP's mapper, computes the errors.
 
-use super::study::Study;
-use crate::evaluate::BurstMethod;
+use crate::evaluate::{BurstMethod, Searches};
 use crate::synth::{Motion, Trajectory};
 use burstscope_core::error::{Error, ErrorKind, Result};
-use burstscope_core::monitor::Monitor;
+use burstscope_core::{matching::MatchParams, monitor::Monitor};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -20,7 +19,7 @@ fn unrun(program: &Path, reason: &str) -> Error {
 #[cfg(not(feature = "colmap"))]
 pub(super) fn reconstruct(
     program: &Path,
-    _: (&Study, BurstMethod),
+    _: (&Searches, &MatchParams, BurstMethod),
     _: &Trajectory,
     _: &Path,
     _: &Monitor,
@@ -52,7 +51,7 @@ mod with_database {
     /// its cameras with the true ones. A mapper that finds no model is a result: nothing registered.
     pub(in crate::figures::reconstruction) fn reconstruct(
         program: &Path,
-        (study, method): (&Study, BurstMethod),
+        (searches, matching, method): (&Searches, &MatchParams, BurstMethod),
         way: &Trajectory,
         folder: &Path,
         monitor: &Monitor,
@@ -73,10 +72,10 @@ mod with_database {
         };
         let (width, height, params) = (way.lens.width, way.lens.height, way.lens.colmap_params().to_vec());
         let camera = Camera { model: CameraModel::Pinhole, width, height, params };
-        let (detector, open) = (study.searches.params(method), OpenOptions::default());
+        let (detector, open) = (searches.params(method), OpenOptions::default());
         let job = ColmapJob {
             features: FeatureJob { detector, open, images: ImageKind::Middle },
-            matching: study.matching.clone(),
+            matching: matching.clone(),
             pairs: PairSelection::default(),
             cameras: BurstCameras { rest: CameraChoice::Known(camera), ..Default::default() },
         };

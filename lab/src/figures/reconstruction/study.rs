@@ -83,7 +83,8 @@ impl Study {
                     pieces.kept_or(&format!("colmap-{name}"), &settings, || {
                         let way = &Drawn::of(&mut drawn, &params, monitor)?.way;
                         let folder = pieces.temporary()?;
-                        mapper::reconstruct(program, (self, method), way, &folder.new_path(), monitor)
+                        let how = (&self.searches, &self.matching, method);
+                        mapper::reconstruct(program, how, way, &folder.new_path(), monitor)
                     })
                 };
                 let reconstructed: Option<Reconstructed> = colmap.map(reconstruct).transpose()?;

@@ -3,7 +3,6 @@
 mod axes;
 mod described;
 pub(super) mod directories;
-mod microscope;
 mod page;
 mod sensor;
 
@@ -193,7 +192,7 @@ impl Pages {
         let channels = page::channels_of(color).map_err(|reason| Error::unsupported(path, NAME, reason))?;
         let shape = [rows as usize, columns as usize, channels];
         let orientation = orientation(&mut decoder);
-        let of_microscope = microscope::axes(&mut decoder, description.as_deref().unwrap_or_default());
+        let of_microscope = described::of_microscope(&mut decoder, description.as_deref().unwrap_or_default());
         let nothing = no_data(&mut decoder);
         let (mut size, mut list) = (None, Vec::new());
         for page in 0.. {
