@@ -232,7 +232,11 @@ pub(super) fn noise_text(report: &NoiseReport, drawn: Option<&NoiseReport>) -> S
         let counts = row.searches.iter().map(|search| {
             let most = search.of_bursts.iter().max().unwrap_or(&0);
             let (rate, error, count) = (search.per_megapixel, search.standard_error, search.false_features);
-            format!("{rate:.2} ± {error:.2} ({count}, {most})")
+            match search.refused {
+                0 => format!("{rate:.2} ± {error:.2} ({count}, {most})"),
+                refused if refused == report.bursts => "refused".to_owned(),
+                refused => format!("{rate:.2} ± {error:.2} ({count}, {most}; {refused} refused)"),
+            }
         });
         level.into_iter().chain(counts).collect()
     });

@@ -167,11 +167,11 @@ pub struct NoiseCount {
     pub noise_gate_factor: f32,
     /// Number of features, all of them false.
     pub false_features: usize,
-    /// Number of bursts, of kinds that are drawn, in which the strict gate refuses to promise anything.
+    /// Number of bursts in which the strict gate refuses to promise anything; they are not searched.
     pub refused: usize,
     /// Number of features in each burst, from the first seed on.
     pub of_bursts: Vec<usize>,
-    /// Number of features per million pixels of the image.
+    /// Number of features per million pixels of the image, of the bursts searched; NaN where there are none.
     pub per_megapixel: f64,
     /// Standard error of that, for independent features: √count over the millions of pixels.
     pub standard_error: f64,
@@ -245,7 +245,7 @@ impl RowStudy for NoiseStudy {
             done(1);
             match found {
                 // Where a gate says that it can promise nothing, no promise is broken.
-                Err(error) if self.cases.is_some() && error.subject == doc::NOISE_GATE.name => Ok((0, f64::NAN)),
+                Err(error) if error.subject == doc::NOISE_GATE.name => Ok((0, f64::NAN)),
                 found => found.map(|found| (found.features.len(), f64::from(found.frame_noise))),
             }
         };
@@ -259,12 +259,14 @@ impl RowStudy for NoiseStudy {
             let of_bursts: Vec<usize> = found.iter().map(|burst| burst[i].0).collect();
             let false_features = of_bursts.iter().sum::<usize>();
             let noise = found.iter().map(|burst| burst[i].1).sum::<f64>() / bursts as f64;
+            let refused = found.iter().filter(|burst| burst[i].1.is_nan()).count();
+            let megapixels = (bursts - refused) as f64 * self.burst_megapixels();
             NoiseCount {
                 label: search.label.clone(),
                 slopes: search.detector.used_slopes().len(),
                 noise_gate_factor: gate_factor(&search.detector),
                 false_features,
-                refused: found.iter().filter(|burst| burst[i].1.is_nan()).count(),
+                refused,
                 of_bursts,
                 per_megapixel: false_features as f64 / megapixels,
                 standard_error: (false_features as f64).sqrt() / megapixels,
@@ -275,7 +277,8 @@ impl RowStudy for NoiseStudy {
             level: *level,
             searches: self.searches.iter().enumerate().map(|search| count(*level, found, search)).collect(),
         };
-        let (&Self { width, height, frames, first_seed, .. }, rows) = (self, rows.iter().map(row).collect());
+        let Self { width, height, frames, first_seed, .. } = *self;
+        let rows = rows.iter().map(row).collect();
         NoiseReport { width, height, frames, first_seed, bursts, megapixels, rows }
     }
 }

@@ -195,7 +195,7 @@ mod tests {
             }
             let radii = (0..).map(|ring| Rings::RATIO.powi(ring));
             // The line of a smaller ring covers its own middle.
-            for (area, radius) in areas.iter().zip(radii).filter(|(_, radius)| *radius > 0.5 * (width + 1.0)) {
+            for (area, radius) in areas.iter().zip(radii).filter(|(_, radius)| *radius > width + 1.0) {
                 let expected = std::f32::consts::TAU * radius * width;
                 assert!((area / expected - 1.0).abs() < 0.06, "{radius} px, {width} px: {area} of {expected}");
             }
