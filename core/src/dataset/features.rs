@@ -7,7 +7,7 @@ use super::kept::{
     write_manifest,
 };
 #[cfg(feature = "colmap")]
-use super::pairs::{DetectedBurst, seen_part};
+use super::pairs::DetectedBurst;
 use super::picture::{BurstPicture, ImageKind, burst_plane};
 use super::stamp::{Comparison, FileStamp};
 use crate::burst::{Burst, BurstFiles, OpenOptions};
@@ -301,7 +301,7 @@ impl FeatureStore {
             slopes: Some(params.slopes),
             content,
             blobs: StoredBlobs(found.blobs.clone()),
-            seen: seen_part(&burst, &self.job.detector.at_given(), monitor)?,
+            seen: super::pairs::seen_part(&burst, &self.job.detector.at_given(), monitor)?,
             picture: self.job.images,
             picture_content,
             seconds,
