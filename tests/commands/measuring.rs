@@ -78,6 +78,20 @@ fn accuracy_and_noise_give_tables_and_json() {
 }
 
 #[test]
+fn noise_of_which_the_strict_gate_promises_nothing_is_refused_and_the_others_are_searched() {
+    let home = folder();
+    let study = "evaluate noise --case jpeg-30,white --case-sigma 0.01 --noise-gate strict \
+        --megapixels 0.1 --width 320 --height 240 --table noise.csv";
+    let text = home.run_well(study);
+    let row = text.lines().find(|line| line.starts_with("jpeg-30")).expect("a row");
+    assert_eq!(row.matches("refused").count(), 2, "{text}");
+    assert!(text.lines().any(|line| line.starts_with("white") && line.contains('±')), "{text}");
+    // A rate of no pixels is empty, and not 0.
+    let table = home.text("noise.csv");
+    assert!(table.lines().any(|line| line.starts_with("jpeg-30") && line.ends_with(",,,0,0")), "{table}");
+}
+
+#[test]
 fn frames_are_counted_on_charts_and_in_a_burst() {
     let home = folder();
     let few = ["--snr", "2", "--methods", "sift-frame,buff-1d", "--frame-counts", "4,2", "--plot", "charts.svg"];

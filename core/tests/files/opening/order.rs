@@ -323,6 +323,18 @@ fn an_order_that_contradicts_names_or_headers_is_told() {
         twice.taken.iter().any(|note| note.contains("frames 1 and 2, counted from 0, have the same time")),
         "{twice:?}"
     );
+    // The times that were asked for are shown, whatever the headers beside them say.
+    let home = folder();
+    for (name, bytes) in [
+        ("20210301_220000.jpg", include_bytes!("samples/exif_0.jpg").as_slice()),
+        ("20210301_220500.jpg", include_bytes!("samples/exif_1.jpg")),
+        ("20210301_221000.jpg", include_bytes!("samples/exif_2.jpg")),
+    ] {
+        fs::write(home.join(name), bytes).expect("written");
+    }
+    let [named, headed] = ["names", "header"].map(|times| info(&home, &options(times, "")).expect("described").text());
+    assert!(named.contains("times   600.000 s in all, an interval of 300.000000 s"), "{named}");
+    assert!(headed.contains("times   from ") && !headed.contains("600.000"), "{headed}");
     // What is in order, what has no times for sure, and what was asked for, is told nothing.
     for (names, times) in [
         (["1341846313.1.png", "1341846313.2.png", "1341846313.3.png"], ""),

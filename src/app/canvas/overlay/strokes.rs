@@ -20,7 +20,7 @@ impl Strokes {
         Self { mesh: Mesh::default(), rings: None, feather: 1.0 / pixels_per_point }
     }
 
-    /// Strokes of which a hundred thousand circles of [`CROWD_WIDTH`] are drawn within a frame.
+    /// Strokes whose circles of [`CROWD_WIDTH`] are two triangles each.
     pub fn of_crowd(painter: &Painter) -> Self {
         Self { rings: Some(Rings::new(painter.ctx())), ..Self::new(painter.pixels_per_point()) }
     }
@@ -113,14 +113,8 @@ fn unit_circle(radius: f32) -> &'static [Vec2] {
         [8, 16, 32, 64, 128]
             .map(|n| (0..n).map(|i| Vec2::angled(i as f32 * std::f32::consts::TAU / n as f32)).collect())
     });
-    let index = match radius {
-        // The distance between circle and polygon stays below a sixth of a point (half a point for the very large).
-        r if r < 2.5 => 0,
-        r if r < 9.0 => 1,
-        r if r < 36.0 => 2,
-        r if r < 150.0 => 3,
-        _ => 4,
-    };
+    // The distance between circle and polygon stays below a sixth of a point (half a point for the very large).
+    let index = [2.5, 9.0, 36.0, 150.0].partition_point(|end| radius >= *end);
     &TABLES[index]
 }
 
@@ -132,8 +126,8 @@ struct Rings {
 }
 
 impl Rings {
-    /// Ratio of a ring's radius to that of the one before, from one of a pixel on, and their number.
-    const RATIO: f32 = 1.06;
+    /// Rings until the radius has doubled, from a pixel on, and their number.
+    const PER_DOUBLING: f32 = 12.0;
     const COUNT: usize = 56;
     const COLUMNS: usize = 8;
     /// Side of a ring's cell in the texture, pixels.
@@ -149,13 +143,17 @@ impl Rings {
         Self { mesh: Mesh::with_texture(atlas.id()), atlas }
     }
 
+    fn radius_px(ring: usize) -> f32 {
+        (ring as f32 / Self::PER_DOUBLING).exp2()
+    }
+
     fn atlas(width_px: f32) -> ColorImage {
         let size = [Self::COLUMNS * Self::CELL_PX, Self::COUNT / Self::COLUMNS * Self::CELL_PX];
         let pixel = |at: usize| {
             let (u, v) = (at % size[0], at / size[0]);
             let centred = |x: usize| (x % Self::CELL_PX) as f32 + 0.5 - 0.5 * Self::CELL_PX as f32;
             let ring = v / Self::CELL_PX * Self::COLUMNS + u / Self::CELL_PX;
-            let off_line = (centred(u).hypot(centred(v)) - Self::RATIO.powi(ring as i32)).abs();
+            let off_line = (centred(u).hypot(centred(v)) - Self::radius_px(ring)).abs();
             let covered = (0.5 * (width_px + 1.0) - off_line).clamp(0.0, width_px.min(1.0));
             Color32::from_white_alpha((255.0 * covered).round() as u8)
         };
@@ -164,15 +162,16 @@ impl Rings {
 
     /// Adds a circle of `radius_px`, unless it is larger than any ring; returns whether it was added.
     fn add(&mut self, centre: Pos2, radius_px: f32, points_per_pixel: f32, colour: Color32) -> bool {
-        let ring = (radius_px.ln() / Self::RATIO.ln()).round().max(0.0) as usize;
+        let ring = (Self::PER_DOUBLING * radius_px.log2()).round().max(0.0) as usize;
+        let own_px = Self::radius_px(ring);
         // The part of the cell that holds the ring, and a pixel more.
-        let half_px = Self::RATIO.powi(ring as i32) + 0.5 * CROWD_WIDTH / points_per_pixel + 1.0;
+        let half_px = own_px + 0.5 * CROWD_WIDTH / points_per_pixel + 1.0;
         if ring >= Self::COUNT || half_px > 0.5 * Self::CELL_PX as f32 {
             return false;
         }
         let cell = vec2((ring % Self::COLUMNS) as f32 + 0.5, (ring / Self::COLUMNS) as f32 + 0.5);
         let part = |half: f32| ((cell * Self::CELL_PX as f32 + Vec2::splat(half)) / self.atlas.size_vec2()).to_pos2();
-        let side = 2.0 * half_px * points_per_pixel * radius_px / Self::RATIO.powi(ring as i32);
+        let side = 2.0 * half_px * points_per_pixel * radius_px / own_px;
         let uv = Rect::from_min_max(part(-half_px), part(half_px));
         self.mesh.add_rect_with_uv(Rect::from_center_size(centre, Vec2::splat(side)), uv, colour);
         true
@@ -193,7 +192,7 @@ mod tests {
                 let (u, v) = (at % image.width() / Rings::CELL_PX, at / image.width() / Rings::CELL_PX);
                 areas[v * Rings::COLUMNS + u] += f32::from(pixel.a()) / 255.0;
             }
-            let radii = (0..).map(|ring| Rings::RATIO.powi(ring));
+            let radii = (0..).map(Rings::radius_px);
             // The line of a smaller ring covers its own middle.
             for (area, radius) in areas.iter().zip(radii).filter(|(_, radius)| *radius > width + 1.0) {
                 let expected = std::f32::consts::TAU * radius * width;

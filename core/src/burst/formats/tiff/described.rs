@@ -305,18 +305,18 @@ fn of_scanimage(texts: &[&str]) -> Option<Axes> {
         };
         pairs.find_map(|(name, value)| is_named(name.trim()).then(|| value.trim()))
     };
-    let count = |names: &[&str]| value(names)?.parse::<f64>().ok().filter(|x| (1.0..65536.0).contains(x));
-    let length = |names: &[&str]| count(names).map(|count| count as usize);
+    // A recording without an end has `Inf` frames.
+    let length = |names: &[&str]| value(names)?.parse().ok().filter(|length| (1..1 << 16).contains(length));
     let listed = value(&[".channelSave", ".channelsSave"])
         .map(|list| list.split(|c: char| !c.is_ascii_digit()).filter(|number| !number.is_empty()).count().max(1));
     let channels = listed.or_else(|| length(&[".numberOfChannelsSave"]))?;
-    let is_fast = value(&[".hFastZ.enable"]).is_some_and(|on| on == "true" || on == "1")
+    let is_on = |on: &str| on == "true" || on == "1";
+    let is_fast = value(&[".hFastZ.enable"]).is_some_and(is_on)
         || value(&[".stackMode"]).is_some_and(|mode| mode.contains("fast"));
-    let is_stack = is_fast || value(&[".hStackManager.enable"]).is_none_or(|on| on == "true" || on == "1");
-    // What a flight back records is no depth, but lies between the volumes.
-    let of_volume = if is_fast { length(&[".numFramesPerVolume"]) } else { None };
-    let depths = of_volume
-        .or_else(|| length(&[".actualNumSlices", ".hStackManager.numSlices", ".stackNumSlices", ".numberOfZSlices"]));
+    let is_stack = is_fast || value(&[".hStackManager.enable"]).is_none_or(is_on);
+    // Frames on the way back to the first depth lie between the volumes, and count as depths.
+    let of_stack = || length(&[".actualNumSlices", ".hStackManager.numSlices", ".stackNumSlices", ".numberOfZSlices"]);
+    let depths = length(&[".numFramesPerVolume"]).filter(|_| is_fast).or_else(of_stack);
     let depths = depths.filter(|_| is_stack).unwrap_or(1);
     let times = length(&[".framesPerSlice", ".acqNumFrames", ".numberOfFrames"]).unwrap_or(0);
     Some(match (depths, is_fast) {
