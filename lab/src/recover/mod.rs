@@ -25,9 +25,9 @@ use burstscope_core::detector::{SearchParams, Slope, SlopeAxis, Test};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::result::{Ranking, judge_by_discs, miss};
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
-use burstscope_core::plane::{Plane, sample::bilinear};
 #[cfg(feature = "cli")]
-use burstscope_core::{burst::Burst, inspect::ProbeCache, synth::options::words};
+use burstscope_core::synth::options::words;
+use burstscope_core::{burst::Burst, inspect::ProbeCache, plane::Plane, plane::sample::bilinear};
 use expected::expected;
 use ground::Ground;
 use rayon::prelude::*;

@@ -16,12 +16,12 @@ pub use world::{BurstCamera, Lens, ScenePlane, Shake};
 use super::noisy::{CLEARANCE_SIGMAS, FrameLevels, NoisyExposure};
 use crate::synth::write::{frame_name, io, write_file, write_folder, write_frame, write_json};
 use burstscope_core::error::{Error, Result};
-use burstscope_core::files::mark::OutputKind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::synth::noise::{Camera, quantisation_step};
 #[cfg(feature = "cli")]
+use burstscope_core::synth::options::motions;
 use burstscope_core::synth::{Motion, check_common, truth::NoiseTruth};
-use burstscope_core::{burst::Burst, plane::Plane, synth::options::motions};
+use burstscope_core::{burst::Burst, files::mark::OutputKind, plane::Plane};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
