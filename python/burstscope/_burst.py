@@ -350,7 +350,7 @@ def open(
     axis : str, optional
         Axis of the frames in a file that has others than time: ``"T"``, ``"Z"``, ``"C"``, ``"T,C=1"``, ``"first"``.
     array : str, optional
-        Array of an ``.npz`` archive, or image of a FITS file, that holds the frames.
+        Array of an ``.npz`` archive, image of a FITS or OME file, or track of a film, that holds the frames.
     topic : str, optional
         Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures.
     take : str, optional

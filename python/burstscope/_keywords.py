@@ -449,7 +449,7 @@ class NoisyKeywords(TypedDict, total=False):
         Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
         such as T,C=1; first or last of an array
     array : str or float
-        Array of an .npz archive, or image of a FITS file, that holds the frames
+        Array of an .npz archive, image of a FITS or OME file, or track of a film, that holds the frames
     topic : str or float
         Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
         /camera/image_raw
@@ -802,7 +802,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
         such as T,C=1; first or last of an array
     array : str or float
-        Array of an .npz archive, or image of a FITS file, that holds the frames
+        Array of an .npz archive, image of a FITS or OME file, or track of a film, that holds the frames
     topic : str or float
         Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
         /camera/image_raw
@@ -1366,7 +1366,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Axis of the frames in a file that has others than time: T, Z or C of a TIFF, with places on the others
         such as T,C=1; first or last of an array
     array : str or float
-        Array of an .npz archive, or image of a FITS file, that holds the frames
+        Array of an .npz archive, image of a FITS or OME file, or track of a film, that holds the frames
     topic : str or float
         Topic of a ROS bag or MCAP file that holds the frames, where several hold pictures, such as
         /camera/image_raw
