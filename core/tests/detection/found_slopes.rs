@@ -12,7 +12,7 @@ fn step(burst: &Burst) -> f64 {
     3.2 * 2f64.powf(0.25) / (burst.len() - 1) as f64
 }
 
-fn holds(grid: &SlopeGrid, slope: Slope, around: f64) -> bool {
+pub fn holds(grid: &SlopeGrid, slope: Slope, around: f64) -> bool {
     let (sin, cos) = f64::from(grid.direction_deg).to_radians().sin_cos();
     let (u, v) = (f64::from(slope.u), f64::from(slope.v));
     let (along, across) = (u * cos + v * sin, v * cos - u * sin);
@@ -25,7 +25,7 @@ fn holds(grid: &SlopeGrid, slope: Slope, around: f64) -> bool {
 }
 
 /// Frames of a picture made of waves that fade with their frequency, moved by `at`, each with its own noise.
-fn moved(size: (usize, usize), noise: f32, frames: usize, at: impl Fn(usize) -> (f64, f64)) -> Burst {
+pub fn moved(size: (usize, usize), noise: f32, frames: usize, at: impl Fn(usize) -> (f64, f64)) -> Burst {
     seen_from(size, noise, frames, |t, u, v| {
         let (du, dv) = at(t);
         (u - du, v - dv)

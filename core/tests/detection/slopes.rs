@@ -1,6 +1,6 @@
 //! Automatic slopes on real bursts, and on scenes and noise that were made.
 
-use super::found_slopes::find;
+use super::found_slopes::{find, holds, moved};
 use crate::prelude::*;
 use burstscope_core::detect::Searched;
 use burstscope_core::detector::slopes::MotionWarningKind;
@@ -146,10 +146,21 @@ fn noise_that_frames_have_in_common_does_not_move() {
         let shows_motion = finding.verdict != SlopeVerdict::NothingSeen && finding.grid.len() > 1;
         assert!(!shows_motion, "{name}: {}", finding.summary());
     };
+    let stripes = [NoiseCase::ColumnStripes, NoiseCase::GrowingStripes, NoiseCase::DriftingStripes(3)];
     for seed in 0..3 {
-        for case in [NoiseCase::Smoothed, NoiseCase::HotPixels, NoiseCase::FlickeringPixels] {
+        for case in [NoiseCase::HotPixels, NoiseCase::FlickeringPixels] {
             let burst = case.burst((width, height), 8, 0.02, seed + 1, &quiet()).expect("not cancelled");
             check(&case.name(), burst.frames.iter().map(|f| (**f).clone()).collect());
+        }
+        // Of these nothing stays as a scene does, and what a codec leaves of noise is alike in two frames by chance.
+        let codec = [NoiseCase::Jpeg(30), NoiseCase::ColourJpeg(30)];
+        for case in [&stripes[..], &codec, &[NoiseCase::Smoothed, NoiseCase::Doubled]].concat() {
+            for frames in [5, 10, 20].into_iter().filter(|frames| *frames > 5 || case != NoiseCase::Smoothed) {
+                let burst = case.burst((width, height), frames, 0.01, seed + 1, &quiet()).expect("not cancelled");
+                let finding = find(&burst);
+                let is_blind = finding.verdict == SlopeVerdict::NothingSeen;
+                assert!(is_blind, "{} {frames} {seed}: {}", case.name(), finding.summary());
+            }
         }
         let some: Vec<Plane> = (0..9).map(|t| noise(10 * seed + t, (width, height))).collect();
         // Fields: each frame has every other row of the frame before, or rows that were interpolated.
@@ -166,6 +177,28 @@ fn noise_that_frames_have_in_common_does_not_move() {
         check("in turn", (0..8).map(|t| some[t % 4].clone()).collect());
         let turned = Plane::from_fn(width, height, |u, v| some[0].at(width - 1 - u, height - 1 - v));
         check("turned", (0..8).map(|t| if t % 2 == 0 { some[0].clone() } else { turned.clone() }).collect());
+    }
+}
+
+/// In the dark the stripes of a sensor, which stay, are stronger than the scene, and have no motion along themselves.
+#[test]
+fn stripes_hide_no_motion_of_the_scene_behind_them() {
+    for (seed, u, v) in [(1, 1.2, 0.0), (2, 0.6, -0.8)] {
+        let scene = moved((320, 240), 0.02, 10, |t| (u * t as f64, v * t as f64));
+        for (strength, along) in [(0.01, 0), (0.03, 0), (0.1, 0), (0.03, 1), (0.1, 1)] {
+            let mut stream = Stream::new(seed, 3);
+            let stripes: Vec<f32> = (0..320).map(|_| strength * stream.normal() as f32).collect();
+            let striped = |frame: &Plane| {
+                // They grow along themselves, as those of a sensor that is read line by line.
+                Plane::from_fn(320, 240, |u, v| {
+                    frame.at(u, v) + stripes[[u, v][along]] * (1.0 + [v, u][along] as f32 / 640.0)
+                })
+            };
+            let finding =
+                find(&Burst::from_planes("striped", scene.frames.iter().map(|frame| striped(frame)).collect()));
+            let holds = holds(&finding.grid, Slope::new(u as f32, v as f32), 0.0) && finding.grid.len() < 10;
+            assert!(holds && finding.verdict == SlopeVerdict::Found, "{strength} {along}: {}", finding.summary());
+        }
     }
 }
 

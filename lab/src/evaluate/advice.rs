@@ -10,7 +10,7 @@ use burstscope_core::detect::{Searched, search};
 use burstscope_core::detector::{SearchParams, Slope, SlopeGrid, Slopes, find_slopes};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::slopes::{AdviceSubject, SlopeJudgement, judgement};
-use burstscope_core::{monitor::Monitor, plane::Plane};
+use burstscope_core::{monitor::Monitor, plane::Plane, synth::random::Stream};
 use serde::Serialize;
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -60,7 +60,7 @@ impl Statement {
 /// true where it does not depend on the slopes found.
 type Kind = (&'static str, SceneParams, Option<SlopeGrid>, Option<Statement>);
 
-fn kinds() -> [Kind; 12] {
+fn kinds() -> [Kind; 14] {
     use Motion::{OneD, TwoD};
     let (width, height) = SIZE;
     let scene =
@@ -79,11 +79,13 @@ fn kinds() -> [Kind; 12] {
         ("still", SceneParams { max_slope: 0.0, ..scene(4, OneD) }, line(2.0, 13), Some(Cost)),
         ("exchanged", scene(4, OneD), None, Some(Times)),
         ("curved", SceneParams { height: height + BEND_PX, ..scene(2, OneD) }, None, Some(Frames)),
+        ("striped", scene(2, OneD), None, None),
         ("noise", scene(0, OneD), None, Some(Unknown)),
+        ("camera", scene(0, OneD), None, Some(Unknown)),
     ]
 }
 
-/// Light and seeds of a study of advice, whose bursts are of twelve kinds.
+/// Light and seeds of a study of advice, whose bursts are of fourteen kinds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct AdviceStudy {
@@ -135,6 +137,11 @@ pub struct AdviceReport {
     pub bursts: Vec<AdvisedBurst>,
 }
 
+/// Noise of cameras and files in which nothing stays as a scene does, one kind a seed.
+const OF_CAMERAS: [NoiseCase; 7] = {
+    use NoiseCase::*;
+    [ColumnStripes, GrowingStripes, DriftingStripes(20), Smoothed, ColourJpeg(30), Varying(6), NoisyHalf]
+};
 const FRAMES: usize = 10;
 const SIZE: (usize, usize) = (240, 180);
 /// How far the camera of a curved motion goes down, pixels.
@@ -173,7 +180,7 @@ impl AdviceStudy {
 }
 
 fn advised((kind, scene, given, known): &Kind, snr: f64, seed: u64, monitor: &Monitor) -> Result<AdvisedBurst> {
-    let (burst, truth) = burst_of(scene, *known, snr, seed, monitor)?;
+    let (burst, truth) = burst_of(kind, scene, *known, snr, seed, monitor)?;
     let asked = SearchParams { slopes: given.map_or(Slopes::AUTO, Into::into), ..SearchParams::default() };
     let Searched { detection, params, finding, .. } = search(&burst, &asked, monitor)?;
     let shown = finding.map_or_else(|| find_slopes(&burst, &params, None, monitor), Ok)?;
@@ -184,6 +191,7 @@ fn advised((kind, scene, given, known): &Kind, snr: f64, seed: u64, monitor: &Mo
 }
 
 fn burst_of(
+    kind: &str,
     scene: &SceneParams,
     known: Option<Statement>,
     snr: f64,
@@ -191,7 +199,9 @@ fn burst_of(
     monitor: &Monitor,
 ) -> Result<(Burst, Option<Truth>)> {
     if known == Some(Unknown) {
-        return Ok((NoiseCase::White.burst(SIZE, FRAMES, 0.02, seed, monitor)?, None));
+        let of_camera = OF_CAMERAS[(seed % OF_CAMERAS.len() as u64) as usize];
+        let case = if kind == "camera" { of_camera } else { NoiseCase::White };
+        return Ok((case.burst(SIZE, FRAMES, 0.02, seed, monitor)?, None));
     }
     let mut scene = SceneParams { snr, seed, ..scene.clone() };
     if known == Some(Times) {
@@ -208,6 +218,12 @@ fn burst_of(
         let down = (((t as f64 - middle) / middle).powi(2) * BEND_PX as f64).round() as usize;
         *frame = Arc::new(Plane::from_fn(SIZE.0, SIZE.1, |u, v| frame.at(u, v + down)));
     }
+    // Each column of a camera with stripes is off, by twice the noise.
+    let sigma = truth.noise.filter(|_| kind == "striped").map_or(0.0, |noise| 2.0 * noise.sigma_background);
+    let mut stream = Stream::new(seed, 6);
+    let columns: Vec<f32> = (0..SIZE.0).map(|_| (sigma * stream.normal()) as f32).collect();
+    let frames = burst.frames.iter_mut().filter(|_| sigma > 0.0);
+    frames.for_each(|frame| *frame = Arc::new(Plane::from_fn(SIZE.0, SIZE.1, |u, v| frame.at(u, v) + columns[u])));
     Ok((truth.masked(burst), Some(truth)))
 }
 

@@ -12,11 +12,13 @@ fn a_table_sums_to_the_bursts_whatever_the_threads_and_nonsense_is_refused() {
     let on = |threads| on_threads(threads, || study(1).run(&quiet())).expect("a report");
     let report = on(1);
     assert_eq!(report, on(2));
-    assert_eq!(report.bursts.len(), 12);
-    assert_eq!(report.said.values().flat_map(|truths| truths.values()).sum::<usize>(), 12);
+    assert_eq!(report.bursts.len(), 14);
+    assert_eq!(report.said.values().flat_map(|truths| truths.values()).sum::<usize>(), 14);
     let of = |kind| report.bursts.iter().find(|burst| burst.kind == kind).expect("one of each");
     for (kind, said) in [
         ("noise", Statement::Unknown),
+        ("camera", Statement::Unknown),
+        ("striped", Statement::Fits),
         ("line", Statement::Fits),
         ("narrow", Statement::Range),
         ("beside", Statement::Direction),

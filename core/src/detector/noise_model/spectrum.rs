@@ -406,7 +406,6 @@ mod tests {
     use crate::detector::params::SlopeGrid;
     use crate::plane::blur::gaussian_blur;
     use crate::synth::random::Stream;
-    use crate::synth::{NoiseCase, SceneParams, synth_scene};
 
     fn measured(
         frames: &[std::sync::Arc<Plane>],
@@ -432,52 +431,6 @@ mod tests {
         measure(sources, space, octaves, &Monitor::default()).expect("not cancelled")
     }
 
-    fn line() -> SlopeGrid {
-        SlopeGrid::line(-3.0..=3.0, 13)
-    }
-
-    fn of_case(case: NoiseCase, frames: usize, space: &ScaleSpace, octaves: Range<i32>) -> Vec<Vec<LevelNoise>> {
-        let burst = case.burst((480, 360), frames, 0.02, 3, &Monitor::default()).expect("not cancelled");
-        measured(&burst.frames, 4e-4, space, octaves, line())
-    }
-
-    #[test]
-    fn white_noise_passes_as_white_noise() {
-        for (first, frames) in [(0, 10), (-1, 10), (0, 2), (1, 10)] {
-            let space = ScaleSpace::new(3, first, 4.0);
-            let noise = of_case(NoiseCase::White, frames, &space, first..4);
-            for (octave, levels) in (first..).zip(&noise) {
-                for (level, noise) in levels.iter().enumerate() {
-                    // Coarse octaves of so small an image have few places, mostly near its border.
-                    let tolerance = if octave < 2 { 0.1 } else { 0.5 };
-                    let off = noise.over_white - 1.0;
-                    assert!(off.abs() < tolerance, "first {first}, octave {octave}, level {level}: {noise:?}");
-                    assert_eq!(noise.excess_kurtosis, 0.0);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn shared_noise_passes_more_at_coarse_levels() {
-        // The weights 1, 2, 1 over √6 let 16/6 of the variance pass per axis at low frequencies.
-        let noise = of_case(NoiseCase::Correlated, 10, &ScaleSpace::new(3, 0, 4.0), 0..4);
-        let [fine, _, coarse] = [0, 1, 2].map(|octave| {
-            noise[octave].iter().map(|level| level.over_white / (16.0f32 / 6.0).powi(2)).collect::<Vec<_>>()
-        });
-        assert!(coarse.iter().all(|part| (part - 1.0).abs() < 0.15), "{noise:?}");
-        assert!(fine.is_sorted() && fine[0] < 0.8 && fine[0] > 0.4, "{noise:?}");
-    }
-
-    #[test]
-    fn what_moves_is_not_taken_for_noise() {
-        let scene = SceneParams { width: 400, height: 300, frames: 6, layers: 2, ..SceneParams::default() };
-        let (burst, truth) = synth_scene(&scene, &Monitor::default()).expect("a scene");
-        let sigma = truth.noise.expect("there is noise").sigma_background as f32;
-        let noise = measured(&burst.frames, sigma * sigma, &ScaleSpace::new(3, 0, 4.0), 0..4, line());
-        assert!(noise.iter().flatten().all(|level| level.over_white < 1.5), "{noise:?}");
-    }
-
     #[test]
     fn fast_and_fine_texture_is_taken_off() {
         let mut stream = Stream::new(6, 0);
@@ -495,7 +448,7 @@ mod tests {
             let levels = measured(&frames, 4e-4, &space, 0..4, slopes);
             levels.iter().flatten().map(|level| level.over_white).fold(0.0, f32::max)
         };
-        let (moved, still) = (largest(line()), largest(SlopeGrid::single(Slope::default())));
+        let (moved, still) = (largest(SlopeGrid::line(-3.0..=3.0, 13)), largest(SlopeGrid::single(Slope::default())));
         assert!(moved < 1.2 && still > 2.0, "{moved} {still}");
     }
 

@@ -179,7 +179,7 @@ fn permutations(frames: usize) -> Vec<Vec<usize>> {
 /// Frames that are copies of the frame before, bit by bit, counted from 0; none where all frames are the same picture.
 pub(super) fn copies(frames: &[&Plane]) -> Vec<usize> {
     let copies: Vec<usize> = (1..frames.len()).filter(|t| frames[*t].data() == frames[*t - 1].data()).collect();
-    if frames.len() < copies.len() + MIN_FRAMES { Vec::new() } else { copies }
+    if frames.len() < copies.len() + 2 { Vec::new() } else { copies }
 }
 
 pub(super) fn copies_warning(copies: Vec<usize>) -> Option<MotionWarning> {

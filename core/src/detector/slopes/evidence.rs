@@ -61,16 +61,14 @@ pub(super) struct Looking<'a> {
 }
 
 pub(super) fn look(
-    (frames, lags): (&[&Plane], &Lags),
-    (levels, ignored_lags): (Range<u32>, usize),
+    (levels, lags): (&[Vec<Plane>], &Lags),
+    (first_level, ignored_lags): (u32, usize),
     track: Track,
     fourier: &Fourier,
     monitor: &Monitor,
 ) -> Result<(Seen, SearchTable), Cancelled> {
     let table = SearchTable::new(&lags.distances, track, &fourier.overlap);
-    let first_level = levels.start;
-    let pyramids = super::spectra::pyramids(frames, levels, monitor)?;
-    let looking = Looking { fourier, table: &table, lags, levels: &pyramids, first_level, ignored_lags };
+    let looking = Looking { fourier, table: &table, lags, levels, first_level, ignored_lags };
     let seen = looking.all(monitor)?;
     Ok((seen, table))
 }
@@ -153,6 +151,11 @@ impl Looking<'_> {
         [columns, rows]: &[Range<usize>; 2],
         scratch: &mut Scratch,
     ) -> Option<SlopeEvidence> {
+        // What a codec leaves of noise is rare and alike: two frames that share it would show any motion.
+        let pairs = self.lags.by_lag.iter().map(Vec::len).sum::<usize>() as f64;
+        if products.pairs_behind() < PAIRS_BEHIND.min(pairs * SHARE_BEHIND) {
+            return None;
+        }
         let planes = self.fourier.correlations(&products.products, scratch);
         let variance: Vec<f64> = products.variance.iter().map(|v| v * more_variance).collect();
         let peak = self.table.strongest(&planes, &variance)?;
@@ -175,6 +178,9 @@ fn starts(length: usize) -> Vec<usize> {
     (0..=steps).map(|i| (i * room).checked_div(steps).unwrap_or(0)).collect()
 }
 
+/// Least number of pairs of frames that evidence has to come from, and, of few frames, least part of their pairs.
+const PAIRS_BEHIND: f64 = 6.0;
+const SHARE_BEHIND: f64 = 0.5;
 const LARGE_SIGNIFICANCE: f32 = 6.5;
 /// Additional significance for a window of the smallest size to count: the largest of 28 bursts of pure noise had 9.8.
 const SMALL_SIGNIFICANCE: f32 = 5.0;

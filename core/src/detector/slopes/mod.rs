@@ -48,6 +48,9 @@ const STILL_PX: f64 = 0.95;
 const SURELY: f64 = 2.5;
 /// Number of confirmed moving windows from which a mostly still picture counts as moving.
 const MIN_MOVING: usize = 3;
+/// Part (0 … 1) of what is seen below which slopes that hold no more are uncertain, and below which none are found.
+pub(crate) const UNCERTAIN: f32 = 0.5;
+const MIN_CONFIDENCE: f32 = 0.25;
 /// Deviation from a uniform motion, pixels of the level, that is forgiven where the windows stand still.
 const STILL_LEVEL_PX: f64 = 1.25;
 
@@ -90,19 +93,20 @@ pub fn find_slopes(
     let (is_even, are_views) = (positions.is_even(), positions.are_views());
     let positions = if is_even { Positions::even(kept.len()) } else { positions.of(&kept) };
     let direction_deg = direction_deg.or(are_views.then_some(0.0));
-    let fourier = Fourier::new();
     let track = direction_deg.map_or(Track::Plane, |degrees| {
         let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
         Track::Line([cos, sin])
     });
     let levels = spectra::levels_for(burst.size(), SIDE);
     let lags = Lags::of(&positions);
-    let (mut seen, mut table) = look((&frames, &lags), (levels.clone(), 0), track, &fourier, monitor)?;
+    let pyramids = spectra::pyramids(&frames, levels.clone(), monitor)?;
+    let fourier = Fourier::of(pyramids.first().map_or(&[], Vec::as_slice));
+    let (mut seen, mut table) = look((&pyramids, &lags), (levels.start, 0), track, &fourier, monitor)?;
     let whole = seen.wholes.first().filter(|_| !are_views);
     let shared = whole.map_or(0, |whole| peak::lags_of_shared_noise(whole, &lags, &fourier));
     // Shared noise peaks at shift 0 like a scene that stands still: look again without its lags.
     if shared > 0 {
-        (seen, table) = look((&frames, &lags), (levels.clone(), shared), track, &fourier, monitor)?;
+        (seen, table) = look((&pyramids, &lags), (levels.start, shared), track, &fourier, monitor)?;
     }
     let steps = steps_of(params, &positions);
     let size = Size { gaps: positions.span(), pixels: burst.size() };
@@ -210,10 +214,22 @@ impl SlopeFinding {
 
     /// One line of text: the verdict, the grid, the confidence, and the irregularities.
     pub fn summary(&self) -> String {
-        let grid = grid_text(&self.grid);
-        let sure = format!("{:.0} % of what is seen agrees", 100.0 * self.confidence);
-        let verdict = match self.verdict {
-            SlopeVerdict::Found => format!("found: {grid}; {sure}"),
+        let verdict = self.verdict_text();
+        if self.warnings.is_empty() { verdict } else { format!("{verdict}; {}", self.irregularities()) }
+    }
+
+    /// The summary where a judgement of the slopes stands beside it, which says what happened to the frames.
+    pub fn summary_beside_judgement(&self) -> String {
+        if self.uniform.is_some() { self.verdict_text() } else { self.summary() }
+    }
+
+    fn verdict_text(&self) -> String {
+        let (grid, percent) = (grid_text(&self.grid), 100.0 * self.confidence);
+        match self.verdict {
+            SlopeVerdict::Found if self.confidence < UNCERTAIN => {
+                format!("uncertain: {grid}; only {percent:.0} % of what is seen agrees")
+            }
+            SlopeVerdict::Found => format!("found: {grid}; {percent:.0} % of what is seen agrees"),
             SlopeVerdict::Still => "nothing moves: slope 0".to_owned(),
             SlopeVerdict::NothingSeen => format!("nothing to be seen: {grid}"),
             // The irregularities are the reason.
@@ -226,13 +242,7 @@ impl SlopeFinding {
                 "the frames move by {:.0} px, more than a third of the picture: {grid}; cut the film into bursts",
                 self.moved_px
             ),
-        };
-        if self.warnings.is_empty() { verdict } else { format!("{verdict}; {}", self.irregularities()) }
-    }
-
-    /// The summary where a judgement of the slopes stands beside it, which says what happened to the frames.
-    pub fn summary_beside_judgement(&self) -> String {
-        if self.uniform.is_some() { grid_text(&self.grid) } else { self.summary() }
+        }
     }
 }
 
@@ -288,7 +298,9 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
     // Beyond these slopes nearly all that is seen at mid-burst has left the picture at the burst's ends.
     let stays = |slope: f32, pixels: usize| f64::from(slope).abs() * 0.5 * size.gaps < 0.9 * pixels as f64;
     kept.retain(|e| stays(e.slope.u, size.pixels.0) && stays(e.slope.v, size.pixels.1));
-    let Some(grid) = grid_for(&kept, steps, line_deg) else {
+    // Where hardly anything agrees chance has chosen.
+    let sure = |grid: &SlopeGrid| agreement(&significant, grid, steps) >= MIN_CONFIDENCE;
+    let Some(grid) = grid_for(&kept, steps, line_deg).filter(sure) else {
         return SlopeFinding { significance: max, evidence: seen.evidence.clone(), ..SlopeFinding::default() };
     };
     let still = stands_still(&kept, steps, size.gaps);
@@ -349,7 +361,8 @@ fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f
         within(along, &grid.u) && within(across, &grid.v)
     };
     let sum = |evidence: &mut dyn Iterator<Item = &SlopeEvidence>| evidence.map(|e| e.significance).sum::<f32>();
-    sum(&mut significant.iter().filter(holds)) / sum(&mut significant.iter()).max(f32::MIN_POSITIVE)
+    // An empty sum of floats is −0, which would be shown with its sign.
+    (sum(&mut significant.iter().filter(holds)) + 0.0) / sum(&mut significant.iter()).max(f32::MIN_POSITIVE)
 }
 
 /// Path of the picture, image pixels, at the finest level that can measure it.

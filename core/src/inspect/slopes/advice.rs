@@ -6,7 +6,7 @@ use super::{Spectrum, coverage_share, fit::Judging};
 use crate::detector::{
     Feature, ParamChange, Slope, SlopeAxis, SlopeFinding, SlopeGrid, SlopeVerdict, Slopes, find_slopes,
 };
-use crate::detector::{field::field_over, slopes::retimed};
+use crate::detector::{field::field_over, slopes::UNCERTAIN, slopes::retimed};
 use crate::inspect::{ProbeCache, words::slope_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::{burst::TimesChoice, detect::search};
@@ -93,7 +93,9 @@ impl Judging<'_> {
         })?;
         let covered = |count: usize| coverage_share(typical, &self.positions.part(self.middle(count)), size);
         let share = covered(frames);
-        if share >= COVERED || spectrum.finding.verdict == SlopeVerdict::Film {
+        // What is seen has no typical slope where hardly any of it agrees.
+        let SlopeFinding { confidence, verdict, .. } = spectrum.finding;
+        if share >= COVERED || confidence < UNCERTAIN || verdict == SlopeVerdict::Film {
             return None;
         }
         let enough = (2..frames).rev().find(|&count| covered(count) >= COVERED).unwrap_or(2);
