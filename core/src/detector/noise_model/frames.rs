@@ -446,15 +446,11 @@ mod tests {
         FrameSurvey::new(&HighPass::new(frames))
     }
 
-    fn survey(case: NoiseCase) -> FrameSurvey {
-        let burst = case.burst((320, 240), 10, 0.02, 5, &Monitor::default()).expect("not cancelled");
-        survey_of(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>())
-    }
-
     #[test]
     fn a_change_that_all_places_share_is_drift() {
         for (case, range) in [(NoiseCase::Fading(10), 0.1), (NoiseCase::Breathing(3), 0.03)] {
-            let survey = survey(case);
+            let burst = case.burst((320, 240), 10, 0.02, 5, &Monitor::default()).expect("not cancelled");
+            let survey = survey_of(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>());
             assert!((survey.drift / range - 1.0).abs() < 0.15 && survey.flicker == 0.0, "{case:?}: {survey:?}");
             let gains = survey.frames.iter().map(|f| f.gain);
             let (min, max) = gains.fold((f32::INFINITY, 0.0f32), |(a, b), gain| (a.min(gain), b.max(gain)));
