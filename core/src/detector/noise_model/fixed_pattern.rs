@@ -480,7 +480,7 @@ mod tests {
             assert_eq!((pattern.columns.is_some(), pattern.rows.is_some()), (is_upright, !is_upright));
             assert!(deviation(&frames[0]) > before && deviation(&clean) < after, "{}", deviation(&clean));
             let stripes = pattern.columns.as_ref().or(pattern.rows.as_ref()).expect("found");
-            // Those that grow are measured as a mean of all their lengths.
+            // Growing stripes are weaker on the average of a column.
             assert!(before < 0.026 || (stripes.deviation / 0.02 - 1.0).abs() < 0.15, "{}", stripes.deviation);
         }
     }
