@@ -201,7 +201,7 @@ class Detection(Made):
 
     @property
     def advice(self) -> str | None:
-        """Why there are few features and the one keyword to change, where there are few."""
+        """Why there are few features, where there are few, and the keyword to change, if one that was tried helps."""
         advice = self.report["advice"]
         return None if advice is None else str(advice["message"])
 

@@ -199,7 +199,7 @@ pub(crate) fn detect(
     let burst = burst.burst.clone();
     let (searched, document) = run(py, progress, move |monitor| {
         let searched = search(&burst, &params, monitor)?;
-        let document = burst_document(&burst, &searched);
+        let document = burst_document(&burst, &searched, monitor)?;
         Ok((searched, document))
     })?;
     let document = document.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;

@@ -83,6 +83,7 @@ JSON (--json):
        nothing-seen, not-straight or film, \"confidence\", \"significance\", \"direction_deg\", \"moved_px\", \"deviation_px\",
        \"warnings\": [{\"kind\", \"frames\", \"number\", \"text\"}]} where slopes were found,
      \"slopes_judged\": {\"sentence\", \"fits\", \"advice\" or null},
+     \"advice\": {\"message\", \"parameter\", \"value\"} on few features, parameter and value null where nothing helps, or null,
      \"slopes\": [{\"u\", \"v\", \"features\"}], \"tally\": {\"samples\", \"not_searched\" where --search field leaves some out,
        \"kept\", \"rejected\": {test: count}},
      \"times\": {\"open_secs\", \"slopes_secs\", \"noise_secs\", \"search_secs\", \"describe_secs\", \"write_secs\"}}],

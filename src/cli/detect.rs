@@ -12,6 +12,7 @@ use crate::files::lock::FolderLock;
 use crate::files::path_text;
 use crate::inspect::ProbeCache;
 use crate::inspect::place::{Verdict, kept};
+use crate::inspect::result::too_few;
 use crate::inspect::slopes::{is_doubtful, judgement};
 use crate::inspect::words::counted;
 use crate::monitor::Stage;
@@ -114,8 +115,7 @@ pub(super) fn detect_burst(
         // A search that leaves what verdicts are found from.
         _ => {
             let cache = ProbeCache::new(&burst, job.params, &console.monitor.part(0.0, 0.7))?;
-            let (params, finding) = (cache.made_with(), cache.finding.clone());
-            (Searched { detection: cache.detection().clone(), params, finding, slopes_secs: 0.0 }, Some(cache.trail))
+            (cache.searched(), Some(cache.trail))
         }
     };
     // Comparing given slopes with those that the frames show takes as long as the noise and the field: only where it is
@@ -146,7 +146,10 @@ pub(super) fn detect_burst(
     let files = write_detection(job.out, &name, &searched.detection, verdicts.as_deref(), &job.formats)?;
     let write_secs = start.elapsed().as_secs_f32();
     let files = job.formats.iter().map(ToString::to_string).zip(files.iter().map(|file| path_text(file))).collect();
-    let mut report = BurstReport::of(&burst, &searched);
+    // The features are written: without advice, if that is interrupted.
+    let tries = console.output.json || !console.output.quiet;
+    let few = if tries { too_few(&burst, &searched, &console.monitor).unwrap_or_default() } else { None };
+    let mut report = BurstReport::of(&burst, &searched, few);
     (report.name, report.inputs, report.files, report.slopes_judged) = (name, inputs, files, slopes_judged);
     (report.times.open_secs, report.times.write_secs) = (open_secs, write_secs);
     console.say(&summary(&report, &job.params.at_given()))?;

@@ -2,13 +2,13 @@
 
 use crate::burst::{Burst, Encoding, Note};
 use crate::detect::Searched;
-use crate::detector::{
-    Advice, DetectorParams, Method, NoiseGate, Slope, SlopeFinding, SlopeGrid, StageTimes, Tally, Test, explain,
-};
-use crate::detector::{advice::grouped, noise_model::NoiseModel, test::NOT_SEARCHED};
+use crate::detector::{DetectorParams, Method, NoiseGate, Slope, SlopeFinding, SlopeGrid, StageTimes, Tally, Test};
+use crate::detector::{noise_model::NoiseModel, test::NOT_SEARCHED};
 use crate::files::path_text;
+use crate::inspect::result::{TooFew, too_few};
 use crate::inspect::slopes::{SlopeJudgement, features_at_slopes};
-use crate::inspect::words::counted;
+use crate::inspect::words::{counted, grouped};
+use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -75,16 +75,23 @@ pub(super) struct BurstReport {
     advice: Option<AdviceReport>,
 }
 
-/// JSON of the report of a search of one burst.
-pub fn burst_document(burst: &Burst, searched: &Searched) -> serde_json::Result<String> {
-    serde_json::to_string(&BurstReport::of(burst, searched))
+/// JSON of the report of a search of one burst, with advice.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn burst_document(
+    burst: &Burst,
+    searched: &Searched,
+    monitor: &Monitor,
+) -> Result<serde_json::Result<String>, Cancelled> {
+    Ok(serde_json::to_string(&BurstReport::of(burst, searched, too_few(burst, searched, monitor)?)))
 }
 
 #[derive(Debug, Serialize)]
 struct AdviceReport {
     message: String,
-    parameter: &'static str,
-    value: String,
+    parameter: Option<&'static str>,
+    value: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -105,13 +112,14 @@ pub(super) struct TimesReport {
 
 impl BurstReport {
     /// For features that are not written: without `files` and slopes judged, and with 0 s for opening and writing.
-    pub fn of(burst: &Burst, Searched { detection, params, finding, slopes_secs }: &Searched) -> Self {
+    pub fn of(burst: &Burst, Searched { detection, finding, slopes_secs, .. }: &Searched, few: Option<TooFew>) -> Self {
+        let advised = |few: TooFew| {
+            let (message, change) = (few.for_command(), few.change.map(|(change, _)| change));
+            let parameter = change.as_ref().map(|change| change.parameter.name);
+            AdviceReport { message, parameter, value: change.map(|change| change.value) }
+        };
         let (search, slopes_secs) = (detection.times, *slopes_secs);
         let counts = detection.slopes.slopes().zip(features_at_slopes(detection));
-        let advised = |advice: Advice| {
-            let (message, parameter) = (advice.for_command(), advice.parameter.name);
-            AdviceReport { message, parameter, value: advice.value }
-        };
         Self {
             name: burst.name.clone(),
             inputs: burst.sources.iter().map(|path| path_text(path)).collect(),
@@ -143,7 +151,7 @@ impl BurstReport {
             tally: detection.tally,
             times: TimesReport { open_secs: 0.0, slopes_secs, search, write_secs: 0.0 },
             slopes_judged: None,
-            advice: explain(detection, params, burst.size()).map(advised),
+            advice: few.map(advised),
         }
     }
 }

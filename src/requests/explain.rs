@@ -10,7 +10,7 @@ use crate::inspect::place::{
     CandidateMark, Judged, Price, Probe, ProbeOptions, ProbeSubject, Survey, SurveyOptions, judged, price_at_once,
     probe, survey,
 };
-use crate::inspect::result::{DecoyStudy, Decoys, decoys};
+use crate::inspect::result::{DecoyStudy, Decoys, TooFew, decoys, too_few};
 use crate::inspect::slopes::{Spectrum, spectrum};
 use crate::matching::MatchResult;
 use crate::monitor::Monitor;
@@ -23,6 +23,7 @@ pub enum ExplainQuestion {
     Slopes,
     Candidates(SurveyOptions),
     Decoys(DecoyStudy),
+    TooFew,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +41,7 @@ request! {
             ExplainQuestion::Candidates(options) => {
                 Explanation::Candidates(Arc::new(survey(trail, &options, &monitor)?))
             }
+            ExplainQuestion::TooFew => Explanation::TooFew(too_few(&self.of.burst.burst, &cache.searched(), &monitor)?),
             ExplainQuestion::Decoys(study) => Explanation::Decoys(Arc::new(decoys(trail, &study, true, &monitor)?)),
         })
     }
@@ -50,6 +52,7 @@ pub enum Explanation {
     Slopes(Arc<Spectrum>),
     Candidates(Arc<Survey>),
     Decoys(Arc<Decoys>),
+    TooFew(Option<TooFew>),
 }
 
 #[derive(Debug, Clone)]

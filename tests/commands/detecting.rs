@@ -1,6 +1,7 @@
 //! `detect`, and options that all commands share.
 
 use crate::support::*;
+use burstscope::inspect::words::grouped;
 use burstscope::synth::demo_truth;
 use ndarray_npy::NpzReader;
 
@@ -87,10 +88,13 @@ fn nothing_found_and_slopes_that_do_not_fit_are_explained() {
     let home = folder();
     let nothing = ["detect", "demo", "--peak-threshold", "0.5", "--out", "found"];
     let text = home.run_well(&nothing);
-    says(&text, &["note      no feature was found: of ", "; try --peak-threshold 0\n"]);
+    says(&text, &["note      no feature was found: of ", "; try --peak-threshold 0, which finds "]);
     let report = |arguments: &[&str]| home.run_json(&[arguments, &["--json"]].concat())["bursts"][0].clone();
     let said = &report(&nothing)["advice"];
     assert_eq!((&said["parameter"], &said["value"]), (&"peak-threshold".into(), &"0".into()));
+    let finds = report(&["detect", "demo", "--peak-threshold", "0", "--out", "found"])["features"].clone();
+    let finds = format!(", which finds {}", grouped(finds.as_u64().expect("a number")));
+    assert!(said["message"].as_str().is_some_and(|text| text.ends_with(&finds)), "{said} {finds}");
     // Nothing moves, and slope 0 is not searched.
     let still = ["synth", "chart", "--out", "still", "--width", "240", "--height", "180", "--discs", "16"];
     home.run_well(&[&still[..], &["--radius", "4:8", "--max-slope", "0", "--snr", "8"]].concat());

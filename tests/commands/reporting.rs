@@ -30,7 +30,7 @@ fn a_report_says_what_the_other_commands_say() {
     let features = page["features"].as_u64().expect("a count");
     let copies = page["decoys"]["rates"][0]["in_copies"].as_array().expect("counts");
     let false_ones = copies.iter().filter_map(Value::as_f64).sum::<f64>() / copies.len() as f64;
-    let told = format!("{features} features; {false_ones:.1} are found on average with the frames in other orders");
+    let told = format!("about {false_ones:.0} of {features} features are expected of noise");
     let samples = page["tally"]["rejected"]["noise_gate"].as_u64().expect("a count").to_string();
     says(
         text.chars().filter(|letter| *letter != ' ').collect::<String>(),

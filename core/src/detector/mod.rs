@@ -10,10 +10,9 @@
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;
-//! [`view`], single steps as pictures; [`advice`], reasons for poor results. `pipeline` puts the steps together.
+//! [`view`], single steps as pictures. `pipeline` puts the steps together.
 //! Everything here is a function from values to values; the costly inner loops are in `crate::kernel`.
 
-pub mod advice;
 mod along;
 pub mod coherence;
 pub mod combine;
@@ -38,7 +37,6 @@ pub mod stack;
 pub mod test;
 pub mod view;
 
-pub use advice::{Advice, explain};
 pub use combine::Combine;
 pub use feature::{Descriptor, Detection, Feature, Moves, REVISION, StageTimes, Tally, Test};
 pub use field::{Motion, MotionField, MotionLayer};

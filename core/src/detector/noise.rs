@@ -221,6 +221,12 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
         // Below the measured gates: 300 to 360 features pass; they cost time and few mismatches (docs/MEASUREMENTS.md).
         NoiseGate::Matching => 100.0,
     };
+    // k²·exp(−k²/2) has no simple inverse; it falls from √2 on, so bisection finds k.
+    bisected([2.0, 12.0], 60, |k| false_keypoints(params, k) > allowed) as f32
+}
+
+/// Number of keypoints a megapixel of white noise at a gate of `k` σ, without edges and twins; that of 2 σ below it.
+pub fn false_keypoints(params: &DetectorParams, k: f64) -> f64 {
     let maxima_per_pixel = match params.used_extrema() {
         // One for one blob. Measured on 12 to 20 Mpx of white noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for
         // 13 slopes on a line, 7×7, and the doubled image, on samples; exact maxima are a quarter more.
@@ -231,9 +237,8 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
     let slopes = params.used_slopes().len() as f64;
     // Octave 0 and the coarser ones have 4/3 of the places of octave 0; the doubled image has four times as many.
     let places = 1e6 * 4f64.powi(-params.first_octave) * slopes;
-    let expected = |k: f64| maxima_per_pixel * places * k * k * (-0.5 * k * k).exp();
-    // k²·exp(−k²/2) has no simple inverse; it falls from √2 on, so bisection finds k.
-    bisected([2.0, 12.0], 60, |k| expected(k) > allowed) as f32
+    let k = k.max(2.0);
+    maxima_per_pixel * places * k * k * (-0.5 * k * k).exp()
 }
 
 /// End of the lower part of a range, in which `is_low` holds, after this number of halvings.

@@ -300,7 +300,7 @@ fn other_levels(params: &DetectorParams) -> Option<Setting> {
     Some((doc::LEVELS, if params.levels > 3 { "3" } else { "4" }.to_owned()))
 }
 
-pub(super) fn wider_axis(grid: &SlopeGrid) -> (Param<SearchParams>, SlopeAxis) {
+pub(crate) fn wider_axis(grid: &SlopeGrid) -> (Param<SearchParams>, SlopeAxis) {
     if grid.v.count > grid.u.count { (doc::SLOPES_V, grid.v) } else { (doc::SLOPES_U, grid.u) }
 }
 

@@ -16,10 +16,11 @@ pub mod result;
 pub mod slopes;
 pub mod words;
 
+use crate::detect::{PreparedSearch, Searched};
 use crate::detector::pipeline::{FirstFeatures, Keeping, search_with_trail};
 use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding, Slopes, Trail, find_slopes};
 use crate::monitor::{Cancelled, Monitor};
-use crate::{burst::Burst, detect::PreparedSearch, error::Result};
+use crate::{burst::Burst, error::Result};
 use std::sync::{Arc, OnceLock};
 
 /// A burst, its detection, and the parameters of the detection.
@@ -102,6 +103,12 @@ impl ProbeCache {
     pub fn made_with(&self) -> DetectorParams {
         // A merged frame is searched as one frame, whichever frames were requested.
         DetectorParams { frames: self.asked.frames, ..self.params().clone() }
+    }
+
+    /// The detection as [`search`](crate::detect::search) gives it, without the time that finding the slopes took.
+    pub fn searched(&self) -> Searched {
+        let (detection, finding) = (self.detection().clone(), self.finding.clone());
+        Searched { detection, params: self.made_with(), finding, slopes_secs: 0.0 }
     }
 
     /// Approximate bytes that it takes now beside `open`, the burst that was searched; the first question adds some.

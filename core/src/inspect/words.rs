@@ -1,7 +1,25 @@
 //! Number formats of explanations.
 
 use crate::detector::Slope;
-pub use crate::detector::advice::capitalised;
+
+/// `text` with a capital at its start.
+pub fn capitalised(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().map_or_else(String::new, |first| first.to_uppercase().chain(chars).collect())
+}
+
+/// A count as text, with a space between groups of three digits: 12345678 becomes "12 345 678".
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() * 4 / 3);
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
 
 /// A slope in px/frame as short text: one number where it is horizontal, two otherwise.
 pub fn slope_text(slope: Slope) -> String {
@@ -68,7 +86,7 @@ fn rounded(x: f64, significant: i32, round: fn(f64) -> f64) -> f64 {
 
 /// A count with its noun: “1 feature”, “2 features”, “2 matches”.
 pub fn counted(count: usize, what: &str) -> String {
-    let grouped = crate::detector::advice::grouped(count as u64);
+    let grouped = grouped(count as u64);
     let ending = if what.ends_with("ch") { "es" } else { "s" };
     if count == 1 { format!("1 {what}") } else { format!("{grouped} {what}{ending}") }
 }

@@ -208,6 +208,7 @@ const PARTS: &[&dyn Part] = &[
     &Methods,
     one!(true, |r| r.explained.asked_slopes, |m, _| m.missing_slopes(), |m, ended| explained::take_explained(m, ended)),
     one!(true, |r| r.explained.asked_candidates, |m, _| m.missing_candidates(), |m, ended| explained::take_explained(m, ended)),
+    one!(true, |r| r.explained.asked_too_few, |m, _| m.missing_too_few(), |m, ended| explained::take_explained(m, ended)),
     one!(true, |r| r.explained.asked_decoys, |m, _| m.missing_decoys(), |m, ended| explained::take_explained(m, ended)),
     one!(true, |r| r.slots.a.comparison.wanted, |m, _| m.missing_comparison(Side::A), |m, ended| comparison::take_comparison(m, Side::A, ended)),
     one!(true, |r| r.slots.b.comparison.wanted, |m, _| m.missing_comparison(Side::B), |m, ended| comparison::take_comparison(m, Side::B, ended)),
@@ -318,7 +319,7 @@ mod tests {
         assert!(bench.model.results.slots.a.detecting.is_pending());
         assert!(!bench.read().features_are_current(Side::A));
         assert_eq!(found.detection.slopes, SlopeGrid::single(bench.model.document.cursor().slope), "it is on show");
-        assert!(found.judgement.is_none() && found.advice.is_none(), "one slope tells nothing about the range");
+        assert!(found.judgement.is_none(), "one slope tells nothing about the range");
         let source = bench.read().found_source(Side::A);
         assert!(source.is_none(), "nothing is asked of features that no search finds alone");
         bench.settle();

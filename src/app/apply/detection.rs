@@ -25,19 +25,21 @@ pub(super) fn take_features(model: &mut Model, side: Side, ended: Ended<DetectRe
 /// Shows the features of one slope of a long search, until all are there; not in place of others of the burst.
 pub(super) fn take_first_features(model: &mut Model, side: Side, first: Detected) {
     let is_first = model.results.slots[side].found.is_none();
-    let burst = Read::of(model).burst_of(side).filter(|burst| is_first && burst.id == first.burst);
-    let Some(burst) = burst else { return };
-    let found = FoundFeatures::new(first, burst, Duration::ZERO);
-    // One slope tells nothing about the range.
-    model.results.slots[side].found = Some(FoundFeatures { is_first_slope: true, advice: None, ..found });
+    if !is_first || Read::of(model).burst_of(side).is_none_or(|burst| burst.id != first.burst) {
+        return;
+    }
+    let found = FoundFeatures::new(first, Duration::ZERO);
+    model.results.slots[side].found = Some(FoundFeatures { is_first_slope: true, ..found });
     explained::refresh_listed(model);
     go_to_first_slope(model, side, None);
 }
 
 /// Takes the features, unless they are of another burst. The selection stays if the same feature was found again.
 pub fn take_detection(model: &mut Model, side: Side, detected: Detected, elapsed: Duration) {
-    let Some(burst) = Read::of(model).burst_of(side).filter(|burst| burst.id == detected.burst) else { return };
-    let found = FoundFeatures::new(detected, burst, elapsed);
+    if Read::of(model).burst_of(side).is_none_or(|burst| burst.id != detected.burst) {
+        return;
+    }
+    let found = FoundFeatures::new(detected, elapsed);
     if side == Side::B {
         let earlier = model.results.slots.b.found.replace(found);
         params::check_params(model);

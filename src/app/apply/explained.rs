@@ -23,6 +23,7 @@ pub(super) fn take_explained(model: &mut Model, Ended { request, result, .. }: E
     match answer {
         None => {}
         Some(Explanation::Slopes(spectrum)) => model.results.explained.slopes = Some((request, spectrum)),
+        Some(Explanation::TooFew(few)) => model.results.explained.too_few = Some((request, few)),
         Some(Explanation::Decoys(decoys)) => model.results.explained.decoys = Some((request, decoys)),
         Some(Explanation::Candidates(survey)) => {
             model.results.explained.candidates = Some((request, survey));

@@ -139,7 +139,7 @@ fn line_ui(ui: &mut Ui, name: &str, counts: [Option<u64>; 2], bar: Option<(u64, 
             label_ui(ui, name, NAME_WIDTH);
         }
         for count in counts.into_iter().flatten() {
-            count_ui(ui, RichText::new(crate::detector::advice::grouped(count)).monospace());
+            count_ui(ui, RichText::new(crate::inspect::words::grouped(count)).monospace());
         }
         if let Some((most, colour)) = bar {
             let room = (ui.available_width() - 8.0).clamp(40.0, 420.0);

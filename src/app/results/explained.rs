@@ -6,7 +6,7 @@ use crate::app::{results::Read, view::ColourBy};
 use crate::detector::{Detection, Feature, Method, Moves, Quantity};
 use crate::engine::Wanted;
 use crate::inspect::place::{CandidateMark, Judged, Survey, SurveyOptions, Verdict};
-use crate::inspect::result::{DecoyStudy, Decoys};
+use crate::inspect::result::{DecoyStudy, Decoys, TooFew, has_too_few};
 use crate::inspect::slopes::{SlopeJudgement, Spectrum};
 use crate::inspect::words::capitalised;
 use crate::requests::{CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, JobError, Running};
@@ -21,6 +21,7 @@ pub struct ExplainedState {
     pub slopes: Option<(ExplainRequest, Arc<Spectrum>)>,
     pub candidates: Option<(ExplainRequest, Arc<Survey>)>,
     pub decoys: Option<(ExplainRequest, Arc<Decoys>)>,
+    pub too_few: Option<(ExplainRequest, Option<TooFew>)>,
     /// The decoys that were asked for; of no use once another detection is on show.
     pub wanted_decoys: Option<ExplainRequest>,
     /// The candidate under the pointer, among those of the survey: features below it are not pointed at.
@@ -30,6 +31,7 @@ pub struct ExplainedState {
     pub asked_slopes: Wanted<ExplainRequest>,
     pub asked_candidates: Wanted<ExplainRequest>,
     pub asked_decoys: Wanted<ExplainRequest>,
+    pub asked_too_few: Wanted<ExplainRequest>,
 }
 
 #[derive(Debug, Default)]
@@ -85,6 +87,21 @@ impl<'a> Read<'a> {
         let is_open = judgement.is_some_and(|judgement| !judgement.fits && judgement.advice.is_none());
         let by_filter = self.document.filter.verdict.is_some() || !self.features().is_empty() && is_open;
         (by_filter && !self.slopes_take_long() || self.has_asked_for_decoys(&request)).then_some(request)
+    }
+
+    /// Why there are few features, where there are few; it takes a search or two, also after one that took long.
+    pub fn missing_too_few(self) -> Option<ExplainRequest> {
+        let found = self.found_of(Side::A).filter(|_| self.stale().is_none() && self.takes_advice(Side::A))?;
+        let request = self.explain_request(ExplainQuestion::TooFew)?;
+        let is_known = self.results.explained.too_few.as_ref().is_some_and(|(of, _)| *of == request);
+        let is_open = !is_known && self.document.workspace.inspects();
+        (is_open && has_too_few(&found.detection, request.of.burst.burst.size())).then_some(request)
+    }
+
+    /// Of the detection on show; `None` for stale features.
+    pub fn too_few(self) -> Option<&'a TooFew> {
+        let (request, few) = self.results.explained.too_few.as_ref().filter(|_| self.stale().is_none())?;
+        few.as_ref().filter(|_| self.explain_request(ExplainQuestion::TooFew).as_ref() == Some(request))
     }
 
     pub fn has_asked_for_decoys(self, request: &ExplainRequest) -> bool {

@@ -6,7 +6,7 @@ use crate::app::document::{Document, SavedSelection, Side};
 use crate::app::view::quantity_value;
 use crate::app::{results::Read, results::comparison::ComparisonResults, results::own::Own};
 use crate::burst::OpenOptions;
-use crate::detector::{Advice, DetectorParams, Feature, Slope, SlopeGrid, explain, follows, shared_slopes};
+use crate::detector::{DetectorParams, Feature, Slope, SlopeGrid, follows, shared_slopes};
 use crate::engine::{Engine, Wanted};
 use crate::error::Error;
 use crate::inspect::place::Judged;
@@ -55,15 +55,13 @@ impl Side {
 pub struct FoundFeatures {
     pub detected: Detected,
     pub elapsed: Duration,
-    pub advice: Option<Advice>,
     /// Whether these are the features of one slope of a search that was long.
     pub is_first_slope: bool,
 }
 
 impl FoundFeatures {
-    pub fn new(detected: Detected, burst: &OpenBurst, elapsed: Duration) -> Self {
-        let advice = explain(&detected.detection, &detected.params, burst.burst.size());
-        Self { detected, elapsed, advice, is_first_slope: false }
+    pub fn new(detected: Detected, elapsed: Duration) -> Self {
+        Self { detected, elapsed, is_first_slope: false }
     }
 }
 

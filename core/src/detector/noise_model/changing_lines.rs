@@ -19,6 +19,8 @@ pub struct ChangingLines {
     /// Variance of coarse means relative to that of independent lines: above 1 where lines share offsets with the next.
     #[serde(skip)]
     coarse: f32,
+    /// Whether the offsets stay the same from the first frame to the last.
+    pub stay: bool,
     /// Whether neighbouring lines differ, which decides how the offsets are measured and taken off.
     pub extent: Extent,
     /// Whether all bands share the smooth part of the offsets, and the sharp one, so that it is taken off.
@@ -50,6 +52,10 @@ const MAX_WIDE: f32 = 0.05;
 /// Inverse of the share of white offsets' power that two linear interpolations may leave.
 const INTERPOLATED: f32 = 2.0;
 const MAX_TRIED: f32 = 200.0;
+/// Minimum product of offsets of two frames, relative to that at any other lag, and to that of a frame with itself.
+const STAYING: [f32; 2] = [0.7, 0.15];
+/// Share of the brightness below which offsets are errors of rounding.
+const ROUNDING: f32 = 1e-5;
 /// Number of frames whose lines are compared along themselves.
 const FRAMES_ALONG: usize = 3;
 /// Growth of the variance of lines with their squared offset above which things stand in a row, with standard errors.
@@ -82,7 +88,7 @@ impl ChangingLines {
                         common > SHARED[1] * (between - noise).max(NOISE_ERROR * noise) && is_weak(i)
                     }
                 };
-                common > SURE * error && is_told_apart
+                common > (SURE * error).max((ROUNDING * brightness).powi(2)) && is_told_apart
             };
             let told = [0, 1].map(tells);
             told.contains(&true).then(|| {
@@ -91,9 +97,9 @@ impl ChangingLines {
                 let parts = [0, 1].map(|i| told[i] || goes(i));
                 let common = (0..2).filter(|i| parts[*i]).map(|i| shared[i].common).sum::<f32>();
                 let coarse = 1.0 + 2.0 * shared[1].next[0].max(0.0) / shared[1].common;
-                let mut lines = Self { deviation: common.sqrt(), lasting: 1.0, coarse, extent, parts };
+                let mut lines = Self { deviation: common.sqrt(), lasting: 1.0, coarse, stay: false, extent, parts };
                 let offsets: Vec<Vec<f32>> = frames.iter().map(|frame| lines.offsets(frame)).collect();
-                lines.lasting = lasting(&offsets, slopes);
+                (lines.lasting, lines.stay) = (lasting(&offsets, slopes), stay(&offsets));
                 lines
             })
         })
@@ -242,8 +248,17 @@ pub(super) fn median(bands: impl Iterator<Item = Vec<f32>>) -> Vec<f32> {
         .collect()
 }
 
-fn dot(a: &[f32], b: &[f32]) -> f32 {
+pub(super) fn dot(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Whether offsets have as much in common however far apart their frames are.
+fn stay(frames: &[Vec<f32>]) -> bool {
+    let at_lag = |lag: usize| {
+        frames.iter().zip(&frames[lag..]).map(|(a, b)| dot(a, b)).sum::<f32>() / (frames.len() - lag) as f32
+    };
+    let (min, max) = (1..frames.len()).map(at_lag).fold((f32::INFINITY, 0.0f32), |(a, b), x| (a.min(x), b.max(x)));
+    min > STAYING[0] * max && min > STAYING[1] * at_lag(0)
 }
 
 /// Largest share of the frames' power that their mean keeps if each is shifted by a slope.

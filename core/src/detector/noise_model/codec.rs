@@ -254,27 +254,6 @@ pub fn rare(kurtosis: f32, frames: usize, gate: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::Monitor;
-    use crate::synth::{NoiseCase, NoiseKind};
-
-    fn found(case: NoiseCase, level: f64) -> Option<Flattened> {
-        let burst = NoiseKind::from(case).burst_at(level, (320, 240), 4, 0.02, 3, &Monitor::default());
-        let burst = burst.expect("not cancelled");
-        Flattened::find(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>(), 1.0 / 255.0)
-    }
-
-    #[test]
-    fn blocks_of_files_of_low_quality_are_flat() {
-        let grey = found(NoiseCase::Jpeg(30), 0.5).expect("flattened");
-        assert!((0.5..0.8).contains(&grey.share) && grey.is_measurable(), "{grey:?}");
-        for level in [0.2, 0.35] {
-            let colour = found(NoiseCase::ColourJpeg(30), level).expect("flattened");
-            assert!(colour.share > 0.9 && colour.shown > 2.0 * (1.0 - colour.share), "{level}: {colour:?}");
-        }
-        for case in [NoiseCase::White, NoiseCase::Jpeg(90), NoiseCase::ColourJpeg(90), NoiseCase::Constant] {
-            assert_eq!(found(case, 0.5), None, "{case:?}");
-        }
-    }
 
     #[test]
     fn strict_is_refused_with_the_reason_where_nothing_is_left() {

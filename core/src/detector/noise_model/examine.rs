@@ -23,6 +23,9 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Relative growth of the limit for hot pixels where all noise is cut off on one side, which skews its means.
+const SKEWED_MEANS: f32 = 0.5;
+
 /// Noise and cleaned frames of a burst.
 #[derive(Debug, Clone)]
 pub struct Examined {
@@ -68,7 +71,7 @@ pub fn examine(
     let flattened = Flattened::find(&planes(frames), quantisation_step).filter(|_| bit.is_none());
     (squares.are_flattened, squares.are_bits) = (flattened.is_some(), bit.is_some());
     squares.least_scene = quantisation_step.powi(2);
-    let survey = FrameSurvey::new(&squares);
+    let mut survey = FrameSurvey::new(&squares);
     let kept = survey.kept();
     if squares.places.is_empty() || kept.len() < 2 {
         return Ok(None);
@@ -90,7 +93,7 @@ pub fn examine(
     };
     let first_look = squares.only(&looked.iter().map(|&i| kept[i]).collect::<Vec<_>>());
     let about = first_look.noise_in(first_look.mean_variances(&contrasts));
-    let shown = survey.shown(&first_look, &contrasts);
+    let mut shown = survey.shown(&first_look, &contrasts);
     let pattern_share = survey.pattern_share(&squares, about);
     // Frames that share noise have more of it in their mean.
     let shared = (1..).zip(&survey.correlations).map(|(lag, r)| (1.0 - lag as f32 / looked.len() as f32).max(0.0) * r);
@@ -105,8 +108,24 @@ pub fn examine(
     let are_independent = survey.correlations.is_empty();
     // The mean of n bits has longer tails: Bernstein's bound for H standard deviations adds H²·bit/(6n), with H = 6.
     let of_bits = bit.map_or(0.0, |bit| bit / (looked.len() as f32).sqrt());
-    let about = ((about * more).sqrt() + of_bits).powi(2);
-    let (reading, mut pattern) = read(&mut clean, &looked, about, are_independent, slopes, levels, monitor)?;
+    // Frames as in the files: cleaning moves values away from the ends of the range.
+    let as_read: Vec<&Plane> = looked.iter().map(|&i| &*frames[kept[i]]).collect();
+    let (share, cut_off) = cut_off(&as_read, quantisation_step);
+    let about = ((about * more).sqrt() * (1.0 + SKEWED_MEANS * share) + of_bits).powi(2);
+    let (mut reading, mut pattern) = read(&mut clean, &looked, about, are_independent, slopes, levels, monitor)?;
+    // Hot pixels alone may have been what the frames shared.
+    if !are_independent && !pattern.hot_pixels.is_empty() {
+        let flags = (squares.are_flattened, squares.are_bits, squares.least_scene);
+        let mut masked = HighPass::new(&planes(&clean));
+        (masked.are_flattened, masked.are_bits, masked.least_scene) = flags;
+        survey.correlate_again(&masked);
+        shown = survey.shown(&masked.only(&looked), &contrasts);
+        let hot_pixels = std::mem::take(&mut pattern.hot_pixels);
+        let are_independent = survey.correlations.is_empty();
+        (reading, pattern) = read(&mut clean, &looked, about, are_independent, slopes, levels, monitor)?;
+        pattern.hot_pixels.extend(hot_pixels);
+        pattern.hot_pixels.sort_unstable_by_key(|&(u, v)| (v, u));
+    }
     pattern.struck = struck;
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
     // Lines hide flat blocks until they are taken off.
@@ -130,7 +149,7 @@ pub fn examine(
     let seen = |(list, free): (Vec<Square>, f32)| (list.into_iter().filter(|s| !s.variance.is_nan()).collect(), free);
     let mut squares: (Vec<Square>, f32) = seen(measured(&squares));
 
-    let warnings = [of_frames(&survey, is_evened), of_pattern(&pattern)].concat();
+    let warnings = [of_frames(&survey, is_evened, pattern_share), of_pattern(&pattern)].concat();
     let correlations = survey.correlations.clone();
     let model = NoiseModel { is_local: true, correlations, shown, ..NoiseModel::default() };
     let mut model = NoiseModel { pattern_share, flattened, warnings, pattern, ..model };
@@ -159,13 +178,10 @@ pub fn examine(
         differs: model.excess.is_some(),
     };
     let levels = measure(sources, space, octaves.clone(), monitor)?;
-    // Frames as in the files: cleaning moves values away from the ends of the range.
-    let as_read: Vec<&Plane> = looked.iter().map(|&i| &*frames[kept[i]]).collect();
-    let (share, cut_off) = cut_off(&as_read, quantisation_step);
     model.warnings.extend(flattened.map(|flattened| flattened.warning()));
     // All bits lie at an end of the range and have long tails by nature: no reason to warn.
     let is_of_converter = bit.is_none();
-    model.warnings.extend(is_of_converter.then(|| of_spectrum(&levels)).into_iter().flatten());
+    model.warnings.extend(is_of_converter.then(|| of_spectrum(&levels, flattened.is_some())).into_iter().flatten());
     model.warnings.extend(of_places(model.excess.as_ref()));
     model.warnings.extend(cut_off.filter(|_| is_of_converter));
     model.brightness.cut_off = if is_of_converter { share } else { 0.0 };
@@ -177,14 +193,15 @@ pub fn examine(
 /// Value of a set pixel, where every pixel of `frames` is that value or 0, as from single-photon cameras. In files with
 /// finer steps, 0 and the next value are a camera in the dark, whose noise is cut off.
 fn bit_of(frames: &[Arc<Plane>], step: f32) -> Option<f32> {
-    let mut bit = None;
+    let (mut bit, mut some_are_0) = (None, false);
     for frame in frames {
         let values = frame.seen_values();
+        some_are_0 |= values.contains(&0.0);
         if values.iter().filter(|x| **x != 0.0 && !x.is_nan()).any(|x| *bit.get_or_insert(*x) != *x) {
             return None;
         }
     }
-    bit.filter(|bit| *bit > 0.0 && (step >= 1.0 || *bit > 1.5 * step))
+    bit.filter(|bit| some_are_0 && *bit > 0.0 && (step >= 1.0 || *bit > 1.5 * step))
 }
 
 fn planes(frames: &[Arc<Plane>]) -> Vec<&Plane> {
@@ -306,90 +323,3 @@ fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octav
 }
 
 const SQUARES_INSIDE: usize = 6;
-
-#[cfg(test)]
-mod tests {
-    use super::super::warning::WarningKind;
-    use super::*;
-    use crate::burst::Burst;
-    use crate::detector::params::SlopeGrid;
-    use crate::synth::NoiseCase;
-
-    fn slopes() -> Vec<Slope> {
-        SlopeGrid::line(-3.0..=3.0, 13).slopes().collect()
-    }
-
-    fn examined(burst: &Burst, flicker: Flicker) -> Examined {
-        let space = ScaleSpace::new(4, 0, 4.0);
-        let slopes = slopes();
-        let positions = &Positions::even(burst.len());
-        let search = ForSearch { space: &space, octaves: 0..4, slopes: &slopes, flicker, positions };
-        examine(&burst.frames, burst.quantisation_step, &search, &Monitor::default())
-            .expect("not cancelled")
-            .expect("there is enough")
-    }
-
-    fn case(case: NoiseCase) -> (Burst, Examined) {
-        let burst = case.burst((480, 360), 10, 0.02, 3, &Monitor::default()).expect("not cancelled");
-        let examined = examined(&burst, Flicker::Auto);
-        (burst, examined)
-    }
-
-    #[test]
-    fn white_noise_is_left_as_it_is_and_nothing_is_said() {
-        let (burst, found) = case(NoiseCase::White);
-        assert!((found.model.frame_noise / 0.02 - 1.0).abs() < 0.02, "{}", found.model.frame_noise);
-        assert_eq!(found.model.warnings, []);
-        assert!(found.frames.iter().zip(&burst.frames).all(|(a, b)| Arc::ptr_eq(a, b)), "nothing is copied");
-        assert!(found.model.excess.is_none() && found.model.brightness.pyramids.is_empty());
-    }
-
-    #[test]
-    fn negative_values_are_not_cut_off() {
-        let (_, negative) = case(NoiseCase::Negative);
-        let (_, white) = case(NoiseCase::White);
-        let (_, clipped) = case(NoiseCase::ClippedBlack);
-        assert_eq!(negative.model.warnings, []);
-        assert_eq!(negative.kept.len(), 10);
-        assert!((negative.model.frame_noise / white.model.frame_noise - 1.0).abs() < 0.02);
-        assert!(negative.model.brightness.cut_off < 0.001 && clipped.model.brightness.cut_off > 0.4);
-        // A file whose least value is 0 has negative values at the end of its range, where noise is cut off.
-        let (mut burst, _) = case(NoiseCase::Negative);
-        for frame in &mut burst.frames {
-            Arc::make_mut(frame).data_mut().iter_mut().for_each(|x| *x = x.max(-0.01));
-        }
-        let pedestal = examined(&burst, Flicker::Auto);
-        assert!((pedestal.model.brightness.cut_off - 0.31).abs() < 0.03, "{}", pedestal.model.brightness.cut_off);
-    }
-
-    #[test]
-    fn flicker_is_evened_out_unless_it_is_wanted() {
-        let case = NoiseCase::GainFlicker;
-        let burst = case.burst((320, 240), 8, 0.02, 3, &Monitor::default()).expect("not cancelled");
-        let spread = |frames: &[Arc<Plane>]| {
-            let means = frames.iter().map(|f| f.data().iter().sum::<f32>() / f.data().len() as f32);
-            let (min, max) = means.fold((f32::INFINITY, 0.0f32), |(a, b), x| (a.min(x), b.max(x)));
-            max / min - 1.0
-        };
-        let (even, as_they_are) = (examined(&burst, Flicker::Auto), examined(&burst, Flicker::Off));
-        assert!(spread(&even.frames) < 0.002 && spread(&burst.frames) > 0.05, "{}", spread(&even.frames));
-        assert!(as_they_are.frames.iter().zip(&burst.frames).all(|(a, b)| Arc::ptr_eq(a, b)));
-        for (examined, words) in [(even, "were brought"), (as_they_are, "were left")] {
-            let warning = &examined.model.warnings[0];
-            assert!(warning.kind == WarningKind::GainFlicker && warning.text.contains(words), "{warning:?}");
-        }
-    }
-
-    #[test]
-    fn too_little_to_tell_is_no_model() {
-        let space = ScaleSpace::new(4, 0, 4.0);
-        let slopes = slopes();
-        let (flicker, positions) = (Flicker::Auto, Positions::even(1));
-        let search = ForSearch { space: &space, octaves: 0..1, slopes: &slopes, flicker, positions: &positions };
-        let examine = |frames: &[Arc<Plane>]| examine(frames, 0.0, &search, &Monitor::default());
-        let frame = Arc::new(Plane::from_fn(40, 40, |u, v| ((u * 7 + v * 13) % 11) as f32));
-        assert!(examine(&[frame]).expect("not cancelled").is_none());
-        let small = [(); 3].map(|()| Arc::new(Plane::zeros(12, 40))).to_vec();
-        assert!(examine(&small).expect("not cancelled").is_none());
-    }
-}

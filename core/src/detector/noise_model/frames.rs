@@ -105,10 +105,34 @@ impl FrameSurvey {
         survey.compare_brightness(squares, &looks);
         survey.leave_out_blurred(squares, &looks);
         if shows_noise {
+            let kept = survey.kept().len();
             survey.compare_noise(squares, &looks);
+            // Strong noise that is cut off at black makes a frame brighter: once it is left out, that is no flicker.
+            if survey.kept().len() < kept {
+                survey.compare_brightness(squares, &looks);
+            }
         }
-        (survey.correlations, survey.flat) = correlations(squares, &looks, &survey.kept());
+        survey.correlate(squares, &looks, &survey.kept());
         survey
+    }
+
+    /// Measures the correlations anew in `squares` of the kept frames alone, once hot pixels, which stay, are masked.
+    pub fn correlate_again(&mut self, squares: &HighPass) {
+        self.correlate(squares, &Looks::new(squares), &(0..squares.frames()).collect::<Vec<_>>());
+    }
+
+    fn correlate(&mut self, squares: &HighPass, looks: &Looks, frames: &[usize]) {
+        (self.correlations, self.flat) = correlations(squares, looks, frames);
+    }
+
+    /// Whether what frames share stays, as a sensor's pattern does, instead of fading from frame to frame: noise that
+    /// is smoothed over time fades at least like a geometric series.
+    pub fn shares_pattern(&self) -> bool {
+        let Some((&next, later)) = self.correlations.split_first().filter(|(_, later)| !later.is_empty()) else {
+            return false;
+        };
+        let fading = (2..).map(|lag| next.powi(lag)).take(later.len()).sum::<f32>() / later.len() as f32;
+        later.iter().sum::<f32>() / later.len() as f32 > STAYS * next + (1.0 - STAYS) * fading
     }
 
     /// Share of the variance of a frame's noise that `contrasts` of `squares` show; 1 for independent frames.
@@ -169,6 +193,8 @@ impl FrameSurvey {
     }
 
     fn compare_brightness(&mut self, squares: &HighPass, looks: &Looks) {
+        (self.flicker, self.drift) = (0.0, 0.0);
+        self.frames.iter_mut().for_each(|frame| frame.gain = 1.0);
         let mean = |t: usize| squares.brightness[t].iter().sum::<f32>() / squares.places.len() as f32;
         let mut order = self.kept();
         order.sort_by(|&a, &b| mean(a).total_cmp(&mean(b)));
@@ -278,6 +304,8 @@ impl FrameSurvey {
 }
 
 const MIN_CORRELATION: f32 = 0.15;
+/// Least place of later correlations between those of fading noise, 0, and that of consecutive frames, 1, of a pattern.
+const STAYS: f32 = 0.75;
 
 /// Variances in the squares, of single frames and of differences of neighbours.
 struct Looks {
@@ -374,7 +402,7 @@ const MAX_LAG: usize = 16;
 /// Correlations of the noise of frames 1, 2, … apart, and the flattest squares with their mean variance.
 fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>, (Vec<usize>, f32)) {
     let none = (Vec::new(), (Vec::new(), 0.0));
-    if kept.len() < 5 {
+    if kept.len() < 4 {
         return none;
     }
     // Chosen by the first frames and measured in the others, so that the choice has no effect.

@@ -31,10 +31,13 @@ pub struct LevelNoise {
     pub over_white: f32,
     /// Excess kurtosis of D in one frame: 0 for a normal distribution.
     pub excess_kurtosis: f32,
+    /// Standard error of `over_white`: 0 where a codec flattened blocks, ∞ where structures may be a part of it.
+    #[serde(skip)]
+    pub(super) error: f32,
 }
 
 impl LevelNoise {
-    pub(super) const WHITE: Self = Self { over_white: 1.0, excess_kurtosis: 0.0 };
+    pub(super) const WHITE: Self = Self { over_white: 1.0, excess_kurtosis: 0.0, error: 0.0 };
 }
 
 /// Spread of tiles, relative to that of noise, above which some hold moving structures.
@@ -55,6 +58,8 @@ const MAX_KURTOSIS: f32 = 8.0;
 const FREE_FOR_KURTOSIS: f32 = 40.0;
 /// Kurtosis up to which noise counts as normal, and largest standard error of a measured kurtosis.
 const MIN_KURTOSIS: f32 = 0.3;
+/// Standard errors of a mean of tiles that a kurtosis must exceed: their quartile has 1.4 times its error.
+const SURE_OF_TAILS: f32 = 5.0;
 /// Kurtosis of one frame relative to that of a combination of frames with weights 1, −2, 1, or 1, −1.
 const OF_ONE_FRAME: f32 = 2.0;
 
@@ -108,11 +113,11 @@ fn noise_at(
     let kurtosis = quantile(&sorted(tiles.iter().map(|t| t.levels[level].1).collect()), 0.25) + 0.674 * of_one_tile;
     // A sample's kurtosis is too low by about 6 over its number of independent values.
     let of_pair = kurtosis + 6.0 / free;
-    let error = of_one_tile / (variances.len() as f32).sqrt();
-    let kurtosis = if free < FREE_FOR_KURTOSIS || error > MIN_KURTOSIS {
+    let of_kurtosis = of_one_tile / (variances.len() as f32).sqrt();
+    let kurtosis = if free < FREE_FOR_KURTOSIS || of_kurtosis > MIN_KURTOSIS {
         // The larger a filter, the more coefficients of a file it sums, and the closer the sum is to normal.
         before.map_or(0.0, |noise| noise.excess_kurtosis) * 4f32.powf(-1.0 / space.levels as f32)
-    } else if of_pair < MIN_KURTOSIS.max(3.0 * error) {
+    } else if of_pair < MIN_KURTOSIS.max(SURE_OF_TAILS * of_kurtosis) {
         0.0
     } else {
         (OF_ONE_FRAME * of_pair).min(MAX_KURTOSIS)
@@ -120,26 +125,28 @@ fn noise_at(
     let ordered = sorted(variances.clone());
     let middle = quantile(&ordered, 0.5);
     let of_noise = ((2.0 + of_pair.clamp(0.0, MAX_KURTOSIS)) / free).sqrt();
-    let total_error = of_noise / (variances.len() as f32).sqrt();
+    let own_error = of_noise / (variances.len() as f32).sqrt();
+    // Once tiles differ by structure or place, coarser levels have too few of them to separate that from noise.
+    let error = before.filter(|noise| noise.error.is_infinite()).map_or(own_error, |noise| noise.error);
     let quiet = quiet_variance(variances.clone(), free);
     let is_even = before.is_none() && spread(&ordered) <= EVEN && quiet > 2.0;
     let of_weakest = differs.then(|| by_strength(tiles, level, of_noise)).flatten();
     *differs &= of_weakest.is_some();
     if let Some(over_white) = of_weakest.filter(|of_weakest| *of_weakest > 1.0) {
-        return Some(LevelNoise { over_white, excess_kurtosis: kurtosis });
+        return Some(LevelNoise { over_white, excess_kurtosis: kurtosis, error });
     }
     if !is_even && spread(&ordered) > NOISE_SPREAD * of_noise {
         let expected = before.map_or(1.0, |noise| noise.over_white);
         // Tiles also differ by their brightness: the quiet ones do not lower the estimate below the median of all.
         let quiet = quiet.max(middle.min(expected));
         let over_white = quiet.min(expected.max(1.0));
-        return Some(LevelNoise { over_white, excess_kurtosis: 0.0 });
+        return Some(LevelNoise { over_white, excess_kurtosis: 0.0, error: f32::INFINITY });
     }
     let mean = variances.iter().sum::<f32>() / variances.len() as f32;
     // A difference below its own error is taken for 0, and a larger one is shrunk in proportion (James–Stein).
     let off = mean - 1.0;
-    let trust = if off == 0.0 { 0.0 } else { (1.0 - (total_error / off).powi(2)).max(0.0) };
-    Some(LevelNoise { over_white: (1.0 + off * trust).max(MIN_OVER_WHITE), excess_kurtosis: kurtosis })
+    let trust = if off == 0.0 { 0.0 } else { (1.0 - (own_error / off).powi(2)).max(0.0) };
+    Some(LevelNoise { over_white: (1.0 + off * trust).max(MIN_OVER_WHITE), excess_kurtosis: kurtosis, error })
 }
 
 /// Variance relative to white noise of the weakest noise, if it falls with the noise's strength and differs little from
@@ -172,7 +179,7 @@ fn rare_noise(tiles: &[TileMoments], level: usize) -> Option<LevelNoise> {
     }
     let fourth = mean(|(second, kurtosis)| second * second * (kurtosis + 3.0));
     let of_pair = (fourth / (second * second) - 3.0) as f32;
-    Some(LevelNoise { over_white: second as f32, excess_kurtosis: OF_ONE_FRAME * of_pair.max(0.0) })
+    Some(LevelNoise { over_white: second as f32, excess_kurtosis: OF_ONE_FRAME * of_pair.max(0.0), error: 0.0 })
 }
 
 /// Side of a tile of the first octave, octave pixels.

@@ -326,12 +326,11 @@ fn with_borders(cells: &Plane) -> Plane {
 
 #[cfg(test)]
 mod tests {
-    use super::super::contrast::contrasts;
     use super::super::high_pass::{FREE_VALUES, HighPass};
     use super::*;
     use crate::monitor::Monitor;
+    use crate::synth::Camera;
     use crate::synth::random::Stream;
-    use crate::synth::{Camera, NoiseCase};
 
     fn camera(full_scale_electrons: f64, read_noise_electrons: f64, black_level: f64) -> Camera {
         Camera { full_scale_electrons, read_noise_electrons, black_level, bits: Some(14) }
@@ -386,38 +385,5 @@ mod tests {
         let fit = PhotonTransfer::fit(&pairs, 256, FREE_VALUES);
         assert!((fit.slope / 1e-3 - 1.0).abs() < 0.3, "{fit:?}");
         assert!((fit.variance(0.3) / (0.3e-3 + 0.4e-3) - 1.0).abs() < 0.12, "{fit:?}");
-    }
-
-    #[test]
-    fn no_noise_and_no_squares_have_an_answer() {
-        assert_eq!(PhotonTransfer::fit(&[], 256, 17.0), PhotonTransfer::default());
-        let still = PhotonTransfer::fit(&[(0.5, 0.0); 60], 256, 17.0);
-        assert_eq!((still.slope, still.dark), (0.0, 0.0));
-    }
-
-    const SIZE: (usize, usize) = (480, 360);
-
-    fn squares_in_place(case: NoiseCase) -> Vec<Square> {
-        let burst = case.burst(SIZE, 9, 0.02, 5, &Monitor::default()).expect("not cancelled");
-        let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
-        let high_pass = HighPass::on_lattice(&frames, Lattice::dense(SIZE));
-        let variances = high_pass.mean_variances(&contrasts(9)[..3]);
-        let each = high_pass.places.iter().zip(&high_pass.brightness[1]).zip(variances);
-        each.map(|((&place, &brightness), variance)| Square { place, brightness, variance }).collect()
-    }
-
-    fn map(squares_in_place: &[Square]) -> Option<ExcessMap> {
-        let pairs: Vec<(f32, f32)> = squares_in_place.iter().map(|s| (s.brightness, s.variance)).collect();
-        let free = 3.0 * FREE_VALUES;
-        ExcessMap::find(squares_in_place, Lattice::dense(SIZE), &PhotonTransfer::fit(&pairs, 256, free), free)
-    }
-
-    #[test]
-    fn texture_is_no_noise() {
-        let mut squares_in_place = squares_in_place(NoiseCase::White);
-        // Texture of various strengths in a corner.
-        let in_corner = squares_in_place.iter_mut().filter(|s| s.place.0 < 150.0 && s.place.1 < 150.0);
-        in_corner.enumerate().for_each(|(i, s)| s.variance *= 1.0 + (i % 7) as f32);
-        assert_eq!(map(&squares_in_place), None);
     }
 }

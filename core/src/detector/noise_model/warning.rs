@@ -31,6 +31,8 @@ pub enum WarningKind {
     GainFlicker,
     /// The noise of consecutive frames is correlated.
     SmoothedOverTime,
+    /// A part of the noise is the same in all frames.
+    FixedPattern,
     /// The noise of neighbouring pixels is correlated.
     SharedByNeighbours,
     /// Strong noise is more frequent than in a normal distribution.
@@ -61,7 +63,10 @@ impl NoiseWarning {
     }
 }
 
-pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarning> {
+/// Growth of the variance of the frames' mean by a pattern that they share from which it is worth a warning.
+const MIN_GROWTH: f32 = 0.2;
+
+pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool, pattern_share: f32) -> Vec<NoiseWarning> {
     let total = survey.frames.len();
     let mut warnings = Vec::new();
     let list = |wanted: fn(&LeftOut) -> bool| -> Vec<usize> {
@@ -96,48 +101,51 @@ pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarni
         }
     }
     // Flicker and drift are the same fault to the user, but drift hurts only at borders.
-    if survey.flicker > 0.0 {
+    let changes = [("flickers by", "", survey.flicker), ("changes by", " over the burst", survey.drift)];
+    for (changes, over, by) in changes.into_iter().filter(|(.., by)| *by > 0.0) {
         let done = if is_evened {
-            "were brought to the same brightness; fix the exposure, or give --flicker off to search them as they are"
+            "brought to the same brightness; fix the exposure, or give --flicker off to search them as they are"
         } else {
-            "were left as they are; fix the exposure, or give --flicker auto to bring them to the same brightness"
+            "left as they are; fix the exposure, or give --flicker auto to bring them to the same brightness"
         };
-        let text = format!("the exposure flickers by {:.1} %; the frames {done}", 100.0 * survey.flicker);
-        warnings.push(NoiseWarning::new(WarningKind::GainFlicker, survey.flicker, text));
+        let text = format!("the exposure {changes} {:.1} %{over}; the frames were {done}", 100.0 * by);
+        warnings.push(NoiseWarning::new(WarningKind::GainFlicker, by, text));
     }
-    if survey.drift > 0.0 {
-        let done = if is_evened {
-            "the frames were brought to the same brightness; fix the exposure, or give --flicker off to search them as they are"
-        } else {
-            "the frames were left as they are, so that borders that not all of them cover show edges; give --flicker auto"
-        };
-        let text = format!("the exposure changes by {:.1} % over the burst; {done}", 100.0 * survey.drift);
-        warnings.push(NoiseWarning::new(WarningKind::GainFlicker, survey.drift, text));
-    }
-    if let Some(&correlation) = survey.correlations.first() {
+    let frames = survey.kept().len();
+    let shared = if survey.shares_pattern() { survey.correlations[0] } else { pattern_share };
+    if shared * (frames as f32 - 1.0) > MIN_GROWTH {
         let text = format!(
-            "the noise of consecutive frames is correlated ({correlation:.2}), so {} frames are worth fewer; the gate is raised; record \
-             without noise reduction over time",
-            survey.kept().len()
+            "{:.0} % of the noise is the same in all frames, as a sensor's fixed pattern is, so {frames} frames are worth fewer; the gate is \
+             raised; a dark frame given as --bias, or an even one as --flat, removes it",
+            100.0 * shared
+        );
+        warnings.push(NoiseWarning::new(WarningKind::FixedPattern, shared, text));
+    } else if let Some(&correlation) = survey.correlations.first() {
+        let text = format!(
+            "the noise of consecutive frames is correlated ({correlation:.2}), so {frames} frames are worth fewer; the gate is raised; record \
+             without noise reduction over time"
         );
         warnings.push(NoiseWarning::new(WarningKind::SmoothedOverTime, correlation, text));
     }
     warnings
 }
 
+const STEADY: &str = "record without stabilisation, and not under lamps that flicker";
+
 pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
     let mut warnings = Vec::new();
     let hot = pattern.hot_pixels.len();
     if hot > 0 {
+        let what = if hot == 1 { "pixel" } else { "pixels" };
         let text = format!(
-            "{hot} hot, dead or flickering pixels masked; a dark frame given as --bias removes those that do not flicker exactly"
+            "{hot} hot, dead or flickering {what} masked; a dark frame given as --bias removes those that do not flicker exactly"
         );
         warnings.push(NoiseWarning::new(WarningKind::HotPixels, hot as f32, text));
     }
     if pattern.struck > 0 {
         let text = format!(
-            "{} pixels are bright in one frame only, as cosmic rays leave them; they were masked there; leave out frames with flashes",
-            pattern.struck
+            "{} bright in one frame only, as cosmic rays leave them, and masked there; leave out frames with flashes",
+            if pattern.struck == 1 { "1 pixel is".to_owned() } else { format!("{} pixels are", pattern.struck) }
         );
         warnings.push(NoiseWarning::new(WarningKind::Struck, pattern.struck as f32, text));
     }
@@ -151,25 +159,37 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
             warnings.push(NoiseWarning::new(WarningKind::Stripes, stripes.deviation, text));
         }
     }
-    for (words, lines) in [("columns", pattern.changing_columns), ("rows", pattern.changing_rows)] {
-        if let Some(lines) = lines {
+    let lines =
+        [("columns", pattern.changing_columns, &pattern.columns), ("rows", pattern.changing_rows, &pattern.rows)];
+    for (words, lines, stripes) in lines {
+        // Lines that stay beside stripes are the smooth part of these.
+        if let Some(lines) = lines.filter(|lines| !lines.stay || stripes.is_none()) {
             let deviation = lines.deviation;
-            let what = match lines.extent {
-                Extent::Sharp => "offsets that change from frame to frame",
-                Extent::Wide => "bands",
+            let (kind, what, remedy) = match (lines.stay, lines.extent) {
+                (true, _) => (
+                    WarningKind::Stripes,
+                    "bands that stay the same",
+                    "a dark frame given as --bias removes them, if they are the sensor's",
+                ),
+                (false, Extent::Sharp) => {
+                    (WarningKind::ChangingLines, "offsets that change from frame to frame", STEADY)
+                }
+                (false, Extent::Wide) => (WarningKind::ChangingLines, "bands", STEADY),
             };
             let text = format!(
                 "{words} have {what}, of {deviation:.5} of full scale; they were taken off each frame, as far as all of a line shares \
-                 them; record without stabilisation, and not under lamps that flicker"
+                 them; {remedy}"
             );
-            warnings.push(NoiseWarning::new(WarningKind::ChangingLines, deviation, text));
+            warnings.push(NoiseWarning::new(kind, deviation, text));
         }
     }
     if pattern.inseparable > 0 {
         let text = format!(
-            "{} single pixels stand out, but the scene stays in place too, so they cannot be told from it; give a dark frame \
-             as --bias, or move the camera",
-            pattern.inseparable
+            "{} in place, as a scene may that does not move; give a dark frame as --bias, or move the camera",
+            match pattern.inseparable {
+                1 => "1 single pixel stands out and stays".to_owned(),
+                many => format!("{many} single pixels stand out and stay"),
+            }
         );
         warnings.push(NoiseWarning::new(WarningKind::StillScene, pattern.inseparable as f32, text));
     }
@@ -188,24 +208,33 @@ pub(in crate::detector) fn of_merge() -> NoiseWarning {
     NoiseWarning::new(WarningKind::KeptByMerge, KEPT_BY_MERGE, text)
 }
 
-pub(super) fn of_spectrum(levels: &[Vec<LevelNoise>]) -> Vec<NoiseWarning> {
+/// Number of standard errors by which the noise of a level must exceed that of white noise.
+const SURE_OF_SHARED: f32 = 3.0;
+
+/// Long tails are laid to the codec only where it is known to have flattened blocks.
+pub(super) fn of_spectrum(levels: &[Vec<LevelNoise>], are_flattened: bool) -> Vec<NoiseWarning> {
     let max = |value: fn(&LevelNoise) -> f32| levels.iter().flatten().map(value).fold(0.0, f32::max);
     let mut warnings = Vec::new();
     let shared = max(|level| level.over_white);
+    let surely = max(|level| level.over_white - SURE_OF_SHARED * level.error);
     let finest = levels.first().and_then(|octave| octave.first()).map_or(1.0, |level| level.over_white);
     // Raised against the finest level, since a codec lowers fine levels rather than raising coarse ones.
-    if shared > 1.4 * finest.min(1.0) {
+    if surely > 1.4 * finest.min(1.0) {
         let text = format!(
             "neighbouring pixels share their noise: at coarse levels it has {shared:.1} times the variance of white noise; the gate is raised there; \
-             give frames that are neither scaled nor compressed nor sharpened"
+             if the frames were scaled, compressed or sharpened, give them as captured"
         );
         warnings.push(NoiseWarning::new(WarningKind::SharedByNeighbours, shared, text));
     }
     let tails = max(|level| level.excess_kurtosis);
     if tails > 0.0 {
+        let [cause, remedy] = if are_flattened {
+            [", as files of low JPEG quality have", "; save the frames without loss"]
+        } else {
+            [""; 2]
+        };
         let text = format!(
-            "the noise has long tails (excess kurtosis {tails:.1} in a frame), as files of low JPEG quality have; the gate is raised; \
-             save the frames without loss"
+            "the noise has long tails (excess kurtosis {tails:.1} in a frame){cause}; the gate is raised{remedy}"
         );
         warnings.push(NoiseWarning::new(WarningKind::LongTails, tails, text));
     }
@@ -257,28 +286,4 @@ fn numbered(frames: &[usize]) -> String {
     let rest = if frames.len() > 6 { format!(" and {} more", frames.len() - 6) } else { String::new() };
     let noun = if frames.len() == 1 { "number" } else { "numbers" };
     format!("{noun} {}{rest}, counted from 0", shown.join(", "))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::frames::FrameFacts;
-    use super::*;
-
-    #[test]
-    fn each_kind_of_frame_is_said_with_its_number() {
-        let mut survey = FrameSurvey { flicker: 0.1, correlations: vec![0.5], ..FrameSurvey::default() };
-        let why = [None, Some(LeftOut::Duplicate(0)), Some(LeftOut::Black), Some(LeftOut::Noisy(25.0)), None];
-        survey.frames = why.map(|left_out| FrameFacts { gain: 1.0, relative_variance: 1.0, left_out }).to_vec();
-        let warnings = of_frames(&survey, true);
-        let text = |i: usize| &warnings[i].text;
-        assert_eq!(warnings.len(), 5);
-        assert!(text(0).starts_with("1 of 5 frames repeat an earlier one (number 1, counted from 0)"), "{}", text(0));
-        assert!(text(1).contains("half as bright") && text(2).contains("noisier"), "{warnings:?}");
-        assert!(text(3).contains("10.0 %") && text(4).contains("0.50"), "{warnings:?}");
-        assert!(of_frames(&FrameSurvey::default(), true).is_empty() && of_pattern(&FixedPattern::default()).is_empty());
-        let warnings =
-            of_pattern(&FixedPattern { hot_pixels: vec![(1, 2)], inseparable: 7, ..FixedPattern::default() });
-        assert_eq!(warnings.iter().map(|w| w.number).collect::<Vec<_>>(), [1.0, 7.0]);
-        assert_eq!(numbered(&[0, 1, 2, 3, 4, 5, 6, 7]), "numbers 0, 1, 2, 3, 4, 5 and 2 more, counted from 0");
-    }
 }

@@ -74,10 +74,12 @@ impl SlopeAxis {
         (f64::from(self.max) - f64::from(self.min)) / (self.count - 1) as f64
     }
 
-    /// Axis with `below` more slopes before its first one and `above` after its last one, at an unchanged step.
+    /// Axis with `below` more slopes before its first one and `above` after its last one, at an unchanged step; around
+    /// a single slope at a step of 1 px/frame.
     pub fn with_more(&self, below: usize, above: usize) -> Self {
         if self.count < 2 {
-            return Self { count: self.count + below + above, ..*self };
+            let at = self.value(0.0);
+            return Self { min: at - below as f32, max: at + above as f32, count: 1 + below + above };
         }
         let first = if below > 0 { self.value(-(below as f32)) } else { self.min };
         let last = if above > 0 { self.value((self.count - 1 + above) as f32) } else { self.max };

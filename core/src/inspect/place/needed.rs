@@ -5,6 +5,7 @@
 //! allows an exposure e times as long with as much motion in a frame.
 
 use super::fate::{Fate, Outcome};
+use super::remedy::LEAST_GATE;
 use crate::detector::{Test, Trail};
 use crate::inspect::words::{counted, number};
 use crate::plane::sample::bilinear;
@@ -37,14 +38,15 @@ pub struct Needed {
     pub sentence: String,
 }
 
-/// The changes that a candidate needs; `None` unless the noise gate is the first test that it fails.
+/// The changes that a candidate needs; `None` unless the noise gate is the first test that it fails, and where it is so
+/// weak that it is hardly more than noise.
 pub fn needed(trail: &Trail, fate: &Fate) -> Option<Needed> {
     if fate.first_failed != Some(Test::NoiseGate) {
         return None;
     }
     let report = fate.report(Test::NoiseGate);
     let (value, limit) = (report.value?, report.limit?);
-    if report.outcome != Outcome::Fails || value <= 0.0 {
+    if report.outcome != Outcome::Fails || value < LEAST_GATE {
         return None;
     }
     let factor = (limit + NINE_OF_TEN) / value;

@@ -5,7 +5,7 @@ use super::needed::{Needed, needed};
 use super::order::{AT_PLACE_PX, LARGE_PX, Nearness, PlaceMotion, is_like_scale, is_same_motion, strength};
 use super::response::{ResponseMap, response_map};
 use super::shares::{Shares, Slice, across, direction_of, shares, slice};
-use super::suspicion::{Judged, Suspicion, suspicions};
+use super::suspicion::{Judged, Strengths, Suspicion, suspicions};
 use super::{candidate_tests::fate, candidates::open_candidates, fate::Fate, remedy::duplicate_remedy};
 use crate::detector::{Sample, Scale, Slope, Test, Trail};
 use crate::detector::{scale_space::octave_pixel, test::NOT_SEARCHED};
@@ -206,8 +206,9 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
     let suspicions = suspected.transpose()?.unwrap_or_default();
     let is_no_ghost = reasons.iter().all(|reason| reason.kind != CauseKind::Ghost);
     let outlook = subject.fate.filter(|_| is_no_ghost).and_then(|index| needed(trail, &fates[index]));
-    let is_feature = subject.fate.is_some_and(|index| !fates[index].features.is_empty());
-    let judged = is_feature.then(|| Judged::of(&shares.evenness, &suspicions));
+    let feature = subject.fate.and_then(|index| fates[index].features.first());
+    let snr = feature.map(|index| trail.detection().features[*index].snr);
+    let judged = snr.map(|snr| Judged::of(&shares.evenness, &suspicions, snr, &Strengths::of(trail)));
     let direction = direction_of(subject.slope);
     let slices = [direction, across(direction)].map(|d| slice(trail, subject.pos_image, d, options.slice_half_px));
     let left_out = grid.len() - searched_slopes(trail, place);
@@ -530,29 +531,6 @@ mod tests {
             let subject = subject(trail, &nearness, (&fates, &[]), ProbeSubject::Best).expect("valid");
             assert_eq!((subject.fate, subject.pos_image, subject.level), (None, place, fates[0].level));
             assert_eq!(subject.slope, slope);
-        }
-    }
-
-    #[test]
-    fn the_small_blob_under_the_click_comes_before_the_large_one_over_it() {
-        for gate in [NoiseGate::Auto, NoiseGate::Factor(1000.0)] {
-            let (cache, place) = (small_under_large(gate), [81.0, 80.5]);
-            let probe = at(&cache, place, ProbeOptions::default());
-            let apart = |fate: &Fate| (fate.pos_image[0] - place[0]).hypot(fate.pos_image[1] - place[1]);
-            let first = probe.subject_fate().expect("it is at the place");
-            assert_eq!(probe.subject.fate, Some(0));
-            assert!(apart(first) < AT_PLACE_PX && (1.4..4.0).contains(&first.sigma), "{first:?}");
-            assert_eq!(first.is_kept(), gate == NoiseGate::Auto);
-            // The large one responds more clearly, and is last all the same.
-            let large = probe.larger_fates().iter().find(|fate| fate.sigma > 10.0).expect("it reaches over the place");
-            assert!(large.snr > first.snr && apart(large) > AT_PLACE_PX, "{large:?}");
-            assert!(probe.near_fates().iter().all(|fate| fate.sigma < 10.0 || apart(fate) <= AT_PLACE_PX));
-            // Chosen candidates are examined wherever they are.
-            let wanted = ProbeSubject::Candidate(large.of_sample());
-            let chosen = at(&cache, place, ProbeOptions { wanted, ..ProbeOptions::default() });
-            assert_eq!(chosen.subject_fate().map(Fate::of_sample), Some(large.of_sample()));
-            let beyond = probe.near_fates().iter().map(|fate| apart(fate).max(AT_PLACE_PX));
-            assert!(beyond.is_sorted(), "the nearest come first");
         }
     }
 }

@@ -7,14 +7,14 @@
 use super::fate::{Fate, OnEdge, Remedy, Rival, apart_sigmas};
 use crate::burst::Burst;
 use crate::detector::params::{Word, doc};
+use crate::detector::pipeline::FIRST_PEAK_PART;
 use crate::detector::scale_space::{octave_size, searched_octaves};
 use crate::detector::test::Side;
 use crate::detector::{
     DetectorParams, Distinct, Judgement, NoiseGate, ParamChange, Sample, SearchParams, Slope, SlopeExtrema, SlopeGrid,
     Test, Trail,
 };
-use crate::detector::{advice::grouped, pipeline::FIRST_PEAK_PART};
-use crate::inspect::words::{counted, filled, number, rounded_down, rounded_up};
+use crate::inspect::words::{counted, filled, grouped, number, rounded_down, rounded_up};
 use crate::monitor::{Cancelled, Monitor};
 use crate::{error::Result, inspect::ProbeCache};
 use serde::Serialize;
@@ -22,6 +22,9 @@ use std::cmp::Ordering;
 
 /// Margin by which a limit is changed further: the search computes in single precision.
 const EASE: f64 = 1e-4;
+/// Lowest gate that is proposed: at it white noise gives 2400 features a megapixel and 7 slopes. Nothing is promised to
+/// what is weaker, since noise is as strong at many places.
+pub(super) const LEAST_GATE: f64 = 2.5;
 /// Smallest part of the radius of distinct keypoints, and of its ratio of scales beyond 1, that is proposed: nearer
 /// ones are the same thing, and would be kept many times.
 const LEAST_PART: f64 = 0.5;
@@ -106,6 +109,7 @@ fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, 
             is_finer.then(|| (params.first_octave - 1).to_string())?
         }
         Test::MaxFeatures => report.value?.to_string(),
+        Test::NoiseGate if report.value? < LEAST_GATE => return None,
         // See `duplicate_remedy`.
         Test::Duplicate => return None,
         _ => eased(report.value.filter(|value| value.is_finite())?),

@@ -6,6 +6,7 @@ use super::pixels::{Period, dirichlet, period_along};
 use super::response::{beyond_the_rim, covering, snr_at};
 use super::{remedy::widened_towards, shares::directions};
 use crate::detector::coherence::{BUMP_COHERENCE, Evenness, Shape};
+use crate::detector::noise::false_keypoints;
 use crate::detector::{Detection, Distinct, Feature, ParamChange, Slope, Trail};
 use crate::inspect::words::{number, rounded_up, slope_text};
 use crate::monitor::{Cancelled, Monitor, Stage};
@@ -334,15 +335,20 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// The verdict that follows from `evenness` and `suspicions`.
-    pub fn of(evenness: &Evenness, suspicions: &[Suspicion]) -> Self {
+    /// The verdict that follows from `evenness` and `suspicions` of a feature of this `snr`.
+    pub(super) fn of(evenness: &Evenness, suspicions: &[Suspicion], snr: f32, strengths: &Strengths) -> Self {
         let kinds: Vec<SuspicionKind> = suspicions.iter().map(|suspicion| suspicion.kind).collect();
-        let verdict = Verdict::of(evenness, &kinds);
+        let (verdict, coherence) = (Verdict::of(evenness, &kinds), evenness.coherence);
+        // A sum of noise that exceeds the gate is shared by the frames as evenly as a faint blob.
+        if let Some([found, by_noise]) = strengths.by_noise(snr).filter(|_| verdict == Verdict::Real) {
+            let as_strong = format!("some {:.0} keypoints about as strong (SNR {snr:.1})", by_noise.ceil());
+            let why = format!("noise alone gives {as_strong}, and {found:.0} were found");
+            return Self { verdict: Verdict::Unclear, coherence, why };
+        }
         let because = |kind: SuspicionKind| {
             let suspicion = suspicions.iter().find(|suspicion| suspicion.kind == kind);
             suspicion.map_or_else(String::new, |suspicion| suspicion.evidence.clone())
         };
-        let coherence = evenness.coherence;
         let why = match (verdict, coherence) {
             (Verdict::Ghost, _) => because(SuspicionKind::Ghost),
             (Verdict::Alias, _) => because(SuspicionKind::Alias),
@@ -356,6 +362,46 @@ impl Judged {
             }
         };
         Self { verdict, coherence, why }
+    }
+}
+
+/// SNRs of the keypoints of a search, beside which noise gives some of its own.
+pub(super) struct Strengths<'a> {
+    trail: &'a Trail,
+    /// From the weakest to the strongest.
+    snrs: Vec<f32>,
+}
+
+/// Half of the range of SNRs that count as about as strong.
+const ALIKE_SNR: f32 = 0.25;
+/// Keypoints of SNR 3, 3.5, … on white noise for one that passes a gate of it, on 5 Mpx: fits find the peak between the
+/// samples.
+const OF_SNR: [f64; 4] = [3.2, 2.4, 1.4, 1.1];
+/// Share of the keypoints of a strength that noise explains from which none of them is told from it.
+const EXPLAINED: f64 = 0.3;
+
+impl<'a> Strengths<'a> {
+    pub(super) fn of(trail: &'a Trail) -> Self {
+        let mut snrs: Vec<f32> = trail.detection().features.iter().map(|feature| feature.snr).collect();
+        snrs.sort_by(f32::total_cmp);
+        // The features of a keypoint, one for each orientation, have its SNR.
+        snrs.dedup();
+        Self { trail, snrs }
+    }
+
+    /// Number of keypoints about as strong as `snr`, and how many of them noise alone gives, if it may explain them.
+    fn by_noise(&self, snr: f32) -> Option<[f64; 2]> {
+        let [low, high] = [snr - ALIKE_SNR, snr + ALIKE_SNR];
+        let place = |end: f32| self.snrs.partition_point(|x| *x < end);
+        let (width, height) = self.trail.size_image();
+        let a_megapixel = |gate: f32| false_keypoints(self.trail.params(), f64::from(gate));
+        let gate = self.trail.detection().noise_gate_factor;
+        let keypoints = 1e-6 * (width * height) as f64 * (a_megapixel(low.max(gate)) - a_megapixel(high.max(gate)));
+        let at = (2.0 * (snr - 3.0)).round().clamp(0.0, 3.0) as usize;
+        let (found, by_noise) = ((place(high) - place(low)) as f64, OF_SNR[at] * keypoints);
+        // As many, and what chance adds.
+        let explained = by_noise / EXPLAINED;
+        (found <= explained + 3.0 * explained.sqrt() && by_noise > 0.0).then_some([found, by_noise])
     }
 }
 
@@ -382,14 +428,15 @@ pub fn kept_of(detection: &Detection, judged: &[Judged], kept: &[Verdict]) -> (D
 
 /// Judges every feature of the detection of `trail`, in their order.
 pub fn judged(trail: &Trail, monitor: &Monitor) -> Result<Vec<Judged>, Cancelled> {
-    let evenness = trail.evenness_of(&trail.detection().features, &monitor.part(0.0, EVENNESS_SHARE))?;
+    let (features, strengths) = (&trail.detection().features, Strengths::of(trail));
+    let evenness = trail.evenness_of(features, &monitor.part(0.0, EVENNESS_SHARE))?;
     let rest = monitor.part(EVENNESS_SHARE, 1.0 - EVENNESS_SHARE);
     let done = AtomicUsize::new(0);
     let judge = |(index, of): (usize, &Evenness)| {
-        let suspicions = suspicions_of_feature(trail, index, of, &rest)?;
+        let (suspicions, snr) = (suspicions_of_feature(trail, index, of, &rest)?, features[index].snr);
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         rest.report(Stage::Frames, done as f32 / evenness.len() as f32);
-        Ok(Judged::of(of, &suspicions))
+        Ok(Judged::of(of, &suspicions, snr, &strengths))
     };
     evenness.par_iter().enumerate().map(judge).collect()
 }

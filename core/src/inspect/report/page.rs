@@ -3,7 +3,7 @@
 
 use super::{decoy_cells, doubts, reasons, shown_bars, slope_cells, test_cells};
 use crate::burst::{Burst, Info};
-use crate::detector::{Test, advice::grouped, test::NOT_SEARCHED};
+use crate::detector::{Test, test::NOT_SEARCHED};
 use crate::error::Result;
 use crate::export::sheet::{Anchor, Area, Colour, Face, LETTER, RED, Sheet};
 use crate::export::{Drawing, Escaped, FigureStroke, FigureUnit};
@@ -12,7 +12,7 @@ use crate::inspect::ProbeCache;
 use crate::inspect::place::{Outcome, Probe, ProbeOptions, probe};
 use crate::inspect::result::{DecoyReport, DecoyStudy, decoys};
 use crate::inspect::slopes::{Spectrum, spectrum};
-use crate::inspect::words::{capitalised, counted, number, sentence};
+use crate::inspect::words::{counted, grouped, number, sentence};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::Display;
@@ -118,12 +118,15 @@ impl<'a> BurstPage<'a> {
         match &self.decoys {
             Err(why) => page.line(TEXT, format!("{found}. How many are false is not known: {why}.")),
             Ok(report) => {
-                let all = report.rates.first().map_or(0.0, |all| all.mean_in_copies());
-                let words = "are found on average with the frames in other orders: at most about as many are false";
-                page.line(TEXT, format!("{found}; {all:.1} {words}. {}.", capitalised(&report.sentence())));
-                page.items(report.doubt().map(|doubt| (sentence(&doubt), String::new())));
-                let heads = ["SNR from", "found here", "in a copy", "there for each here"];
-                page.table(heads, report.rates.iter().map(decoy_cells));
+                let (expected, rates) = (report.expected_words(), report.sentence());
+                page.line(TEXT, format!("{found}; {expected}."));
+                // Without rates the reason has just been given.
+                if rates != expected {
+                    page.line(TEXT, format!("With the frames in other orders {rates}."));
+                    page.items(report.doubt().map(|doubt| (sentence(&doubt), String::new())));
+                    let heads = ["SNR from", "found here", "in a copy", "there for each here"];
+                    page.table(heads, report.rates.iter().map(decoy_cells));
+                }
             }
         }
         let tally = &detection.tally;

@@ -7,9 +7,11 @@
 mod changes;
 mod decoys;
 mod score;
+mod too_few;
 mod truth;
 
 pub use changes::{Changes, ForeignFeature, Same, Spot, compare, read_features};
 pub use decoys::{DecoyReport, DecoyStudy, Decoys, FalseRate, SNRS, decoys};
 pub use score::{Curve, CurvePoint, Ranking, Scored, finds, judge, judge_by_discs, mean_curve};
+pub use too_few::{TooFew, has_too_few, too_few};
 pub use truth::{AgainstTruth, Miss, against_truth, has_truth, miss, read_truth, truth_of};

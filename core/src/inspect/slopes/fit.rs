@@ -11,8 +11,8 @@ use crate::detector::{
     Detection, DetectorParams, Feature, FrameRange, Method, MotionField, ParamChange, Slope, SlopeAxis, SlopeFinding,
     SlopeGrid, SlopeVerdict,
 };
-use crate::detector::{advice::grouped, limit::response_loss, params::doc};
-use crate::inspect::words::{counted, number};
+use crate::detector::{limit::response_loss, params::doc};
+use crate::inspect::words::{counted, grouped, number};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 use std::ops::Range;

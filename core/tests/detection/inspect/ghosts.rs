@@ -2,7 +2,9 @@
 
 use super::probing::{blobs, cache, slopes_of};
 use crate::prelude::*;
-use burstscope_core::inspect::place::{Judged, ProbeSubject, SuspicionKind, Verdict, fate_of, judged};
+use burstscope_core::inspect::place::{
+    Judged, ProbeOptions, ProbeSubject, SuspicionKind, Verdict, fate_of, judged, probe,
+};
 
 /// Two groups of blobs that move to the right and to the left, with a ghost wherever two paths cross. In each row one
 /// of each meets another.
@@ -116,4 +118,31 @@ fn a_blob_that_is_kept_twice_has_a_duplicate() {
         removed += 1;
     }
     assert!(removed > 0, "no change was proposed");
+}
+
+#[test]
+fn what_noise_alone_gives_is_not_said_to_be_real_and_nothing_is_promised_to_it() {
+    let (mut real, mut all) = ([0; 2], [0; 2]);
+    for case in [NoiseCase::White, NoiseCase::Correlated, NoiseCase::HotPixels, NoiseCase::Jpeg(60)] {
+        for gate in [NoiseGate::Auto, NoiseGate::Matching] {
+            let burst = case.burst((500, 400), 8, 0.02, 3, &quiet()).expect("noise");
+            let params =
+                DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, 7), noise_gate: gate, ..Default::default() };
+            let (cache, mut weak) = (cache(&burst, &params), 0);
+            let verdicts = counts(judge(&cache).iter());
+            println!("{case:?} {gate:?}: {verdicts:?}");
+            let of_gate = usize::from(gate == NoiseGate::Matching);
+            real[of_gate] += verdicts[Verdict::Real as usize];
+            all[of_gate] += cache.detection().features.len();
+            for place in (0..40).map(|i| [20.0 + 60.0 * (i % 8) as f32, 30.0 + 80.0 * (i / 8) as f32]) {
+                let probe = probe(&cache, place, &ProbeOptions::default(), &quiet()).expect("inside");
+                let Some(fate) = probe.subject_fate().filter(|fate| fate.snr < 2.4) else { continue };
+                assert!(fate.remedy.is_none() && probe.outlook.is_none(), "{fate:?}");
+                weak += 1;
+            }
+            assert!(weak > 5, "{case:?}: {weak}");
+        }
+    }
+    // Chance lets few bursts have more keypoints than noise gives as a rule.
+    assert!(real[0] <= 3 && 50 * real[1] <= all[1] && all[1] > 300, "{real:?} of {all:?}");
 }

@@ -1,7 +1,7 @@
 //! Tests of the public functions of `detector`.
 
 use crate::prelude::*;
-use burstscope_core::detector::advice::*;
+use burstscope_core::detect::search;
 use burstscope_core::detector::coherence::*;
 use burstscope_core::detector::memory;
 use burstscope_core::detector::noise::*;
@@ -9,27 +9,63 @@ use burstscope_core::detector::noise_model::*;
 use burstscope_core::detector::scale_space::*;
 use burstscope_core::detector::stack::*;
 use burstscope_core::detector::view::*;
+use burstscope_core::inspect::result::*;
+use burstscope_core::inspect::words::grouped;
 
 #[test]
-fn made_bursts_are_explained_and_counts_are_grouped_by_thousands() {
-    let found = |burst: &Burst, params: &DetectorParams| {
-        let detection = detect(burst, params, &quiet()).expect("a detection");
-        explain(&detection, params, burst.size())
+fn few_features_are_explained_and_a_setting_is_offered_only_if_it_finds_more_than_noise() {
+    let few = |burst: &Burst, params: &SearchParams| {
+        let searched = search(burst, params, &quiet()).expect("a detection");
+        too_few(burst, &searched, &quiet()).expect("not cancelled")
     };
-    let made = |snr, discs, radius| {
-        let chart = ChartParams { width: 240, height: 180, discs, snr, radius, ..ChartParams::default() };
-        synth_chart(&chart, &quiet()).expect("a chart").0
+    let chart =
+        ChartParams { width: 240, height: 180, discs: 24, snr: 8.0, radius: 3.6..=9.0, ..ChartParams::default() };
+    let clear = synth_chart(&chart, &quiet()).expect("a chart").0;
+    // Faint blobs that move by 4 px/frame, slower than the slopes that are searched.
+    let fast = |seed: u64| {
+        let frame = |t: u64| {
+            let mut noise = Stream::new(seed, t);
+            Plane::from_fn(240, 180, |u, v| {
+                let (x, y) = ((u as f32 - 4.0 * t as f32).rem_euclid(30.0) - 15.0, (v % 30) as f32 - 15.0);
+                0.3 + 0.013 * (-(x * x + y * y) / 12.5).exp() + 0.02 * noise.normal() as f32
+            })
+        };
+        Burst::from_planes("fast", (0..8).map(frame).collect())
     };
-    // Noise alone.
-    let open = DetectorParams { noise_gate: NoiseGate::Factor(5.5), ..DetectorParams::default() };
-    assert_eq!(found(&made(0.3, 0, ChartParams::default().radius), &open).expect("advice").parameter, doc::NOISE_GATE);
+    let gate = |k| SearchParams { noise_gate: NoiseGate::Factor(k), ..SearchParams::default() };
+    let at = |grid: SlopeGrid| SearchParams { slopes: grid.into(), ..SearchParams::default() };
+    // On noise alone nothing helps, whatever is tried.
+    let noises = [NoiseCase::White, NoiseCase::Correlated, NoiseCase::HotPixels, NoiseCase::Jpeg(60)];
+    for burst in noises.map(|case| case.burst((240, 180), 6, 0.02, 4, &quiet()).expect("noise")) {
+        for params in [gate(5.5), at(SlopeGrid::default()), at(SlopeGrid::single(Slope::default()))] {
+            let found = few(&burst, &params).expect("noise has few");
+            assert!(found.change.is_none() && !found.for_command().contains("try"), "{}: {found:?}", burst.name);
+        }
+        let found = few(&burst, &at(SlopeGrid::default())).expect("noise has few").for_command();
+        assert!(found.ends_with("there is no more than noise alone gives"), "{found}");
+    }
+    // What is offered finds as many as it says, at a lower gate and over wider slopes.
+    let too_fast = SearchParams { slopes: SlopeGrid::line(6.0..=9.0, 4).into(), ..gate(4.0) };
+    let fast = (1..9).map(fast).find(|burst| few(burst, &too_fast).is_some()).expect("few are found in some");
+    let peak = SearchParams { peak_threshold: 0.5, ..SearchParams::default() };
+    for (burst, params, option) in [
+        (&clear, gate(1000.0), "--noise-gate 4"),
+        (&clear, peak, "--peak-threshold 0"),
+        (&fast, too_fast, "--slopes-u 4:11:8"),
+    ] {
+        let found = few(burst, &params).expect("few");
+        assert!(found.for_command().contains(&format!("; try {option}, which finds ")), "{found:?}");
+        let (change, then) = found.change.expect("a setting that helps");
+        let searched = search(burst, &params, &quiet()).expect("a detection");
+        let again = detect(burst, &change.applied(&searched.params).expect("valid"), &quiet()).expect("a detection");
+        assert_eq!((change.option().as_str(), then), (option, again.features.len()));
+    }
     // An even picture has no remedy, and nothing breaks.
     let even = Burst::from_planes("even", vec![Plane::zeros(64, 48); 4]);
-    assert!(found(&even, &DetectorParams::default()).is_none_or(|advice| !advice.problem.is_empty()));
+    assert!(few(&even, &SearchParams::default()).is_none_or(|found| found.change.is_none()));
     // A search that finds enough, or asks for few, needs no advice.
-    let clear = made(8.0, 10, 3.6..=9.0);
-    assert_eq!(found(&clear, &DetectorParams::default()), None);
-    assert_eq!(found(&clear, &DetectorParams { max_features: 2, ..DetectorParams::default() }), None);
+    assert_eq!(few(&clear, &SearchParams::default()), None);
+    assert_eq!(few(&clear, &SearchParams { max_features: 2, ..SearchParams::default() }), None);
     assert_eq!([0, 7, 999, 1000, 12_345_678].map(grouped), ["0", "7", "999", "1 000", "12 345 678"]);
 }
 

@@ -167,6 +167,7 @@ fn still_features_put_the_rates_in_doubt() {
         let (in_copies, is_known) = (vec![(rate * found as f64) as usize], found > 0);
         FalseRate { snr, found, in_copies, rate: is_known.then_some(rate), error: is_known.then_some(0.1) }
     };
+    let none_here = "nothing is found here, so there is no rate";
     let rates = vec![rate(0.0, 100, 0.9), rate(8.0, 50, 0.79), rate(30.0, 10, 0.13)];
     let report = DecoyReport { frames: 10, copies: 1, seed: 1, still: 10, rates };
     assert_eq!(report.sentence(), "0.79 found there for each found here at SNR 8, 0.13 at 30");
@@ -174,8 +175,14 @@ fn still_features_put_the_rates_in_doubt() {
     let doubted = DecoyReport { still: 30, ..report.clone() };
     assert!(doubted.doubt().expect("many").starts_with("30 features of 100 stay within"), "{doubted:?}");
     assert_eq!(doubted.sentence(), report.sentence());
+    let words = |found| DecoyReport { still: 0, rates: vec![rate(0.0, found, 0.0)], ..report.clone() }.expected_words();
+    assert_eq!(words(2), "at most 1 of 2 features is expected of noise");
+    assert_eq!(
+        (words(40).as_str(), words(0)),
+        ("hardly any of 40 features is expected of noise", none_here.to_owned())
+    );
     let none = DecoyReport { still: 0, rates: vec![rate(0.0, 0, 0.0)], ..report };
-    assert_eq!((none.sentence().as_str(), none.doubt()), ("nothing is found here, so there is no rate", None));
+    assert_eq!((none.sentence().as_str(), none.doubt()), (none_here, None));
 }
 
 #[test]

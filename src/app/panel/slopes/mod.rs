@@ -9,10 +9,10 @@ use crate::app::results::{FoundFeatures, Read};
 use crate::app::style;
 use crate::app::view::{number, signed_slope};
 use crate::burst::OpenOptions;
-use crate::detector::advice::grouped;
 use crate::detector::{Method, Slope, SlopeFinding, SlopeVerdict};
 use crate::inspect::slopes::{SetUp, SlopeAdvice, SlopeJudgement, Spectrum, set_up_bounds};
 use crate::inspect::words::counted;
+use crate::inspect::words::grouped;
 use egui::{Align, Button, DragValue, Frame, Grid, Label, Margin, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2};
 
 /// Maximum width of the charts, points; the advice gets the rest.
@@ -123,27 +123,26 @@ pub fn found_words(finding: &SlopeFinding) -> Option<String> {
 /// Draws the verdict on the search, below the parameters of *One burst*: why there are few features, or whether the
 /// slopes fit the burst, with the change that mends it, and which were found. The open tab has the judgement itself.
 pub fn verdict_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    let advice = model.found_of(Side::A).filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
+    let few = model.too_few();
     let is_in_tab = model.shows_bottom() && model.document.bottom_tab == crate::teach::BottomTab::Slopes;
     let judgement = model.slope_judgement().filter(|_| !is_in_tab || model.spectrum().is_none());
     let found = model.found_of(Side::A).filter(|_| model.document.params.slopes.is_auto());
     let found = found.and_then(|found| found_words(found.finding.as_ref()?));
-    if advice.is_none() && judgement.is_none() && found.is_none() {
+    if few.is_none() && judgement.is_none() && found.is_none() {
         return;
     }
     let fill = ui.visuals().faint_bg_color;
     Frame::new().fill(fill).corner_radius(4).inner_margin(Margin::symmetric(8, 5)).show(ui, |ui| {
         ui.set_width(ui.available_width());
-        if let Some(advice) = advice {
-            crate::app::panel::status::advice_ui(ui, model, advice, queue);
+        if let Some(few) = few {
+            crate::app::panel::status::too_few_ui(ui, model, few, queue);
         }
         if let Some(judgement) = judgement.filter(|judgement| judgement.advice.is_none()) {
             faultless_ui(ui, model, judgement, &found.map_or_else(String::new, |found| format!("; {found}")));
             return;
         }
         // Without features it comes second; the tab has it.
-        if let Some(of_slopes) = judgement.and_then(|judgement| judgement.advice.as_ref()).filter(|_| advice.is_none())
-        {
+        if let Some(of_slopes) = judgement.and_then(|judgement| judgement.advice.as_ref()).filter(|_| few.is_none()) {
             piece_ui(ui, model, "Apply slopes", of_slopes, queue);
         }
         if let Some(found) = found {
