@@ -140,7 +140,7 @@ fn what_noise_alone_gives_is_not_said_to_be_real_and_nothing_is_promised_to_it()
                 assert!(fate.remedy.is_none() && probe.outlook.is_none(), "{fate:?}");
                 weak += 1;
             }
-            assert!(weak > 5, "{case:?}: {weak}");
+            assert!(weak > 2, "{case:?}: {weak}");
         }
     }
     // Chance lets few bursts have more keypoints than noise gives as a rule.
