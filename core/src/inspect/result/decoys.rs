@@ -240,7 +240,7 @@ impl DecoyReport {
         match self.doubt() {
             Some(doubt) if self.all_still() => doubt,
             _ if mean < 0.5 && all.found == 0 => self.sentence(),
-            // Three copies without a feature leave room for one in this burst.
+            // A few copies with hardly a feature leave room for one in this burst.
             _ if mean < 0.5 && all.found < ENOUGH => format!("at most 1 {of} is expected of noise"),
             _ if mean < 0.5 => format!("hardly any {of} is expected of noise"),
             _ if mean >= all.found as f64 => format!("noise alone gives about {mean:.0} such features"),
