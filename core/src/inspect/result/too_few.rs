@@ -126,6 +126,7 @@ fn blamed(
         let problem = format!("{what}, because the image is too small for the searched octaves");
         return Some((problem, octave.into_iter().collect()));
     }
+    let advised = |test: Test| (test.record().advised)(params);
     let took = |test: Test, reached: u64| {
         let (reached, rejected) = (grouped(reached), grouped(tally.rejected_by(test)));
         format!("{what}: of {reached} samples {rejected} were rejected as {}", test.reason())
@@ -137,9 +138,9 @@ fn blamed(
         let gated = tally.rejected_by(Test::NoiseGate) as f64 / above_peak.max(1) as f64;
         if params.peak_threshold > 0.0 && above_peak < tally.samples && gated < GATE_REJECTS_NOISE {
             let problem = format!("{} of {}", took(Test::PeakThreshold, tally.samples), params.peak_threshold);
-            return Some((problem, vec![(doc::PEAK_THRESHOLD, "0".to_owned())]));
+            return Some((problem, advised(Test::PeakThreshold).into_iter().collect()));
         }
-        let lower = (gate > LOWEST_GATE).then(|| (doc::NOISE_GATE, LOWEST_GATE.to_string()));
+        let lower = advised(Test::NoiseGate).filter(|_| gate > LOWEST_GATE && params.method != Method::Sift);
         let other = match params.method {
             Method::Buff => {
                 // Twice as wide, half of it on each side.
@@ -149,13 +150,11 @@ fn blamed(
             }
             Method::Sift | Method::Merge => (doc::METHOD, Method::Buff.word().to_owned()),
         };
-        let lower = lower.filter(|_| params.method != Method::Sift);
         let problem = format!("{} of {gate:.2} σ", took(Test::NoiseGate, above_peak));
         return Some((problem, lower.into_iter().chain([other]).collect()));
     }
     let (test, reached) = to_blame(tally)?;
-    let setting = (test.record().advised)(params)?;
-    Some((took(test, reached), vec![setting]))
+    Some((took(test, reached), vec![advised(test)?]))
 }
 
 /// Test after the thresholds that most exceeds its usual share of rejections, and how many candidates reached it.
