@@ -100,7 +100,7 @@ fn noise(args: &NoiseArgs) -> Outcome {
     let white = args.bits.iter().flat_map(|bits| args.sigma.iter().map(|&sigma| NoiseLevel::white(sigma, *bits)));
     let of_case = |case: NoiseKind| NoiseLevel { case, sigma: args.case_sigma, bits: None, mean: args.case_level };
     // Named kinds take the place of white noise; without names all kinds are measured.
-    let all = NoiseCase::ALL.into_iter().filter(|case| *case != NoiseCase::White).map(NoiseKind::from);
+    let all = NoiseCase::all().into_iter().filter(|case| *case != NoiseCase::White).map(NoiseKind::from);
     let levels = match (args.study.cases, &args.case[..]) {
         (Some(count), _) => NoiseStudy::drawn_levels(count, args.study.first_seed),
         (None, []) => white.chain(all.map(of_case)).collect(),

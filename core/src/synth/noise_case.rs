@@ -10,9 +10,10 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use serde::{Serialize, Serializer};
 use std::{f64::consts::TAU, io::Cursor, ops::RangeInclusive};
+use strum::IntoEnumIterator;
 
 /// Deviation of a burst's noise from white noise.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, strum::EnumIter)]
 pub enum NoiseCase {
     /// No deviation: white noise of equal strength in every frame, around half of full scale.
     #[default]
@@ -88,6 +89,8 @@ pub struct NoiseKind {
     pub phase: f64,
 }
 
+const NOISY_HALF: f64 = 3.0;
+
 impl From<NoiseCase> for NoiseKind {
     fn from(case: NoiseCase) -> Self {
         Self { cases: [case, NoiseCase::White], strength: 1.0, period_px: None, phase: 0.0 }
@@ -98,45 +101,20 @@ impl NoiseCase {
     /// Grey level of the scene where no other is asked for, fraction of full scale.
     pub const LEVEL: f64 = 0.5;
     /// All cases, with the JPEG qualities, variations of strength and speeds that are commonly measured.
-    pub const ALL: [Self; 37] = [
-        Self::White,
-        Self::Doubled,
-        Self::Jpeg(90),
-        Self::Jpeg(60),
-        Self::Jpeg(30),
-        Self::ColourJpeg(90),
-        Self::ColourJpeg(60),
-        Self::ColourJpeg(30),
-        Self::Correlated,
-        Self::BlackFrame,
-        Self::NoisyFrame,
-        Self::NoisyHalf,
-        Self::ColumnStripes,
-        Self::HotPixels,
-        Self::GainFlicker,
-        Self::ClippedBlack,
-        Self::Saturated,
-        Self::ConstantFrame,
-        Self::Constant,
-        Self::DriftingStripes(3),
-        Self::DriftingStripes(15),
-        Self::DriftingStripes(26),
-        Self::DriftingStripes(40),
-        Self::Varying(6),
-        Self::Varying(2),
-        Self::Banding,
-        Self::StillBanding,
-        Self::Smoothed,
-        Self::FlickeringPixels,
-        Self::NoisyColumns,
-        Self::Negative,
-        Self::Fading(20),
-        Self::Breathing(10),
-        Self::CosmicStreaks,
-        Self::FixedPattern(20),
-        Self::Bits(10),
-        Self::GrowingStripes,
-    ];
+    pub fn all() -> Vec<Self> {
+        let commonly_measured = |case| match case {
+            Self::Jpeg(_) => vec![Self::Jpeg(90), Self::Jpeg(60), Self::Jpeg(30)],
+            Self::ColourJpeg(_) => vec![Self::ColourJpeg(90), Self::ColourJpeg(60), Self::ColourJpeg(30)],
+            Self::DriftingStripes(_) => [3, 15, 26, 40].map(Self::DriftingStripes).to_vec(),
+            Self::Varying(_) => vec![Self::Varying(6), Self::Varying(2)],
+            Self::Fading(_) => vec![Self::Fading(20)],
+            Self::Breathing(_) => vec![Self::Breathing(10)],
+            Self::FixedPattern(_) => vec![Self::FixedPattern(20)],
+            Self::Bits(_) => vec![Self::Bits(10)],
+            other => vec![other],
+        };
+        Self::iter().flat_map(commonly_measured).collect()
+    }
 
     /// Name on the command line and in reports; [`str::parse`] reads it.
     pub fn name(self) -> String {
@@ -214,11 +192,19 @@ impl NoiseCase {
         }
     }
 
+    fn most_by_place(self) -> f64 {
+        match self {
+            Self::NoisyHalf => NOISY_HALF,
+            Self::Varying(times) => f64::from(times),
+            _ => 1.0,
+        }
+    }
+
     /// Multiple of the usual noise at a pixel.
     fn factor(self, (u, v): (usize, usize), width: usize, is_middle: bool, kind: &NoiseKind) -> f64 {
         match self {
             Self::NoisyFrame if is_middle => 5.0,
-            Self::NoisyHalf if 2 * u >= width => 3.0,
+            Self::NoisyHalf if 2 * u >= width => NOISY_HALF,
             Self::ConstantFrame | Self::BlackFrame if is_middle => 0.0,
             Self::Constant => 0.0,
             Self::Varying(times) => {
@@ -246,16 +232,25 @@ impl NoiseKind {
     /// Point `index` of a grid over all cases, their pairs and parameters: the same for the same seed.
     pub fn drawn(index: usize, seed: u64) -> Self {
         let stream = &mut Stream::new(seed, index as u64);
-        // Each case comes in its turn. Without noise all is signal, so nothing is put on top of such frames.
-        let first = NoiseCase::ALL[index % NoiseCase::ALL.len()];
-        let other = NoiseCase::ALL[stream.below(NoiseCase::ALL.len())];
-        let is_pair = stream.uniform() < 0.5 && ![first, other].contains(&NoiseCase::Constant) && first != other;
+        // Each case comes in its turn. Without noise all is signal, so nothing is put on top of such frames; noise by
+        // place that is cut off has another mean at each place and is a picture.
+        let all = NoiseCase::all();
+        let (first, other) = (all[index % all.len()], all[stream.below(all.len())]);
+        let pair = [first, other];
+        let is_cut = pair.iter().any(|case| matches!(case, NoiseCase::ClippedBlack | NoiseCase::Saturated));
+        let is_picture = is_cut && pair.iter().any(|case| case.most_by_place() > 1.0);
+        let is_pair = stream.uniform() < 0.5 && !pair.contains(&NoiseCase::Constant) && first != other && !is_picture;
         Self {
             cases: [first, if is_pair { other } else { NoiseCase::White }],
             strength: [0.25, 0.5, 1.0, 2.0][stream.below(4)],
             period_px: [None, Some(7), Some(16), Some(40), Some(90)][stream.below(5)],
             phase: [0.0, 0.25, 0.5, 0.75][stream.below(4)],
         }
+    }
+
+    /// Largest multiple of the usual noise at any place, in the frames of usual noise.
+    pub fn most_by_place(&self) -> f64 {
+        self.cases.iter().map(|case| case.most_by_place()).product()
     }
 
     fn has(&self, case: NoiseCase) -> bool {
@@ -419,7 +414,7 @@ impl std::str::FromStr for NoiseCase {
             let digit = |text: &str| text.parse::<u8>().ok().filter(|n| *n <= 9);
             digit(whole).zip(digit(part)).map(|(whole, part)| 10 * whole + part).filter(|n| *n > 0)
         };
-        // Names with a number first: `ALL` has only the numbers that are commonly measured.
+        // Names with a number first: `all` has only the numbers that are commonly measured.
         let found = (number("jpeg-", 1..=100).map(Self::Jpeg))
             .or_else(|| number("colour-jpeg-", 1..=100).map(Self::ColourJpeg))
             .or_else(|| number("varying-", 2..=9).map(Self::Varying))
@@ -431,8 +426,8 @@ impl std::str::FromStr for NoiseCase {
         if let Some(found) = found {
             return Ok(found);
         }
-        Self::ALL.into_iter().find(|case| case.name() == text).ok_or_else(|| {
-            let names: Vec<String> = Self::ALL.iter().map(|case| case.name()).collect();
+        Self::all().into_iter().find(|case| case.name() == text).ok_or_else(|| {
+            let names: Vec<String> = Self::all().into_iter().map(|case| case.name()).collect();
             format!(
                 "'{text}' is none of {} (any quality from 1 to 100, multiple from 2 to 9, percentage from 1 to 99, and speed from \
                  0.1 to 9.9 px/frame)",

@@ -1,7 +1,11 @@
 //! The noise model in whole detections: bursts whose noise is not white, and a chart under a lamp.
 
 use crate::prelude::*;
-use burstscope_core::{detector::noise_model::WarningKind, synth::Camera, synth::Example};
+use burstscope_core::{
+    detector::noise_model::{LeftOut, WarningKind},
+    synth::Camera,
+    synth::Example,
+};
 
 fn params(noise_model: NoiseModelKind) -> DetectorParams {
     let noise_gate = "strict".parse().expect("a gate");
@@ -166,6 +170,25 @@ fn lines_of_any_period_are_taken_off_and_what_is_not_a_whole_line_stays() {
 }
 
 #[test]
+fn a_fault_that_hides_another_is_no_excuse() {
+    let mut all = 0;
+    for (kind, sigma, level) in [
+        // Hot pixels raise the means of their lines, and strong lines hide the hot pixels in them.
+        ("growing-stripes+hot-pixels:strength=2:period=90:phase=0.25", 0.005, 0.15),
+        ("drifting-stripes-1.5+flickering-pixels:strength=2:period=40:phase=0.75", 0.05, 0.5),
+        // Lines with more noise have larger measured offsets, and vary more along themselves: they are no things in a row.
+        ("drifting-stripes-0.3+noisy-half:strength=0.25:period=90", 0.005, 0.3),
+        // Frames of different noise: their contrasts differ, and what a few of them show beside the border.
+        ("smoothed+noisy-frame", 0.05, 0.3),
+        ("gain-flicker+saturated:strength=0.25", 0.005, 0.7),
+    ] {
+        all += of_noise((kind, sigma, level), (480, 360)).map(|found| found.features.len()).iter().sum::<usize>();
+    }
+    // Before, most of these bursts had hundreds to thousands.
+    assert!(all <= 20, "{all}");
+}
+
+#[test]
 fn no_part_of_a_scene_is_taken_for_lines_and_a_weak_pattern_is_measured_in_the_mean_of_the_frames() {
     for example in Example::ALL {
         let noise = found(&example.burst(), NoiseModelKind::Local).noise;
@@ -304,6 +327,65 @@ fn noise_is_warned_of_by_its_kind_alone_and_scenes_for_nothing_that_they_do_not_
     {
         let warnings = &found(&burst, NoiseModelKind::Local).noise.warnings;
         assert!(warnings.iter().all(|warning| !kinds.contains(&warning.kind)), "{}: {warnings:?}", burst.name);
+    }
+}
+
+#[test]
+fn a_change_that_all_places_share_is_an_exposure() {
+    for (case, range) in [(NoiseCase::Fading(10), 0.1), (NoiseCase::Breathing(3), 0.03)] {
+        let burst = case.burst((320, 240), 10, 0.02, 5, &quiet()).expect("a burst");
+        let gains = found(&burst, NoiseModelKind::Local).noise.frames.clone().into_iter().map(|frame| frame.gain);
+        let (min, max) = gains.fold((f32::INFINITY, 0.0f32), |(a, b), gain| (a.min(gain), b.max(gain)));
+        assert!(((max / min).ln() / range - 1.0).abs() < 0.15, "{case:?}: {min} {max}");
+    }
+}
+
+#[test]
+fn a_blurred_frame_is_left_out_where_its_texture_can_be_seen() {
+    let scene = SceneParams { width: 320, height: 240, frames: 8, snr: f64::INFINITY, ..SceneParams::default() };
+    let (mut burst, _) = synth_scene(&scene, &quiet()).expect("a scene");
+    burst.frames[3] = Arc::new(blur::gaussian_blur(&burst.frames[3], &blur::GaussianKernel::new(2.0)));
+    for (sigma, is_seen) in [(0.01, true), (0.5, false)] {
+        let mut noise = Stream::new(3, 0);
+        let mut noisy = |f: &Plane| Plane::from_fn(320, 240, |u, v| f.at(u, v) + sigma * noise.normal() as f32);
+        let noisy = Burst::from_planes("noisy", burst.frames.iter().map(|frame| noisy(frame)).collect());
+        let frames = &found(&noisy, NoiseModelKind::Local).noise.frames;
+        let left_out: Vec<usize> = (0..8).filter(|&t| frames[t].left_out.is_some()).collect();
+        assert_eq!(left_out, if is_seen { vec![3] } else { vec![] }, "{frames:?}");
+        assert!(!is_seen || matches!(frames[3].left_out, Some(LeftOut::Blurred(share)) if share < 0.4));
+    }
+}
+
+/// Frames of 8 bits of `count` stars that drift to the right, over noise of one step around `level` steps.
+fn star_field(count: usize, level: f64) -> Burst {
+    let mut drawn = Stream::new(3, 0);
+    let stars: Vec<[f64; 3]> =
+        (0..count).map(|_| [drawn.within(20.0, 460.0), drawn.within(20.0, 340.0), drawn.within(30.0, 200.0)]).collect();
+    let frame = |t: u64| {
+        let mut noise = Stream::new(4, t);
+        Plane::from_fn(480, 360, |u, v| {
+            let light = |[x, y, peak]: &[f64; 3]| {
+                let (du, dv) = (u as f64 - x - 1.3 * t as f64, v as f64 - y);
+                peak * (-(du * du + dv * dv) / (2.0 * 1.4 * 1.4)).exp()
+            };
+            let steps = level + stars.iter().map(light).sum::<f64>() + noise.normal();
+            (steps.round().clamp(0.0, 255.0) / 255.0) as f32
+        })
+    };
+    let mut burst = Burst::from_planes("stars", (0..8).map(frame).collect());
+    burst.quantisation_step = 1.0 / 255.0;
+    burst
+}
+
+#[test]
+fn stars_on_a_quiet_ground_are_no_fault_of_the_camera() {
+    for count in [5, 10, 20] {
+        for level in [-4.0, -2.0, 0.0, 8.0] {
+            let warnings = &found(&star_field(count, level), NoiseModelKind::Local).noise.warnings;
+            // Where black is cut off, what is left of the noise is rare.
+            let may = if level > 0.0 { &[][..] } else { &[WarningKind::CutOff, WarningKind::LongTails] };
+            assert!(warnings.iter().all(|warning| may.contains(&warning.kind)), "{count} at {level}: {warnings:?}");
+        }
     }
 }
 

@@ -70,14 +70,21 @@ pub struct NoiseStudy {
     pub height: usize,
 }
 
+/// Distance from black and white in standard deviations from which noise is not cut off.
+const NOT_CUT: f64 = 4.0;
+
 impl NoiseStudy {
-    /// `count` kinds of noise from a grid of all: the same for the same `seed`.
+    /// `count` kinds of noise from a grid of all: the same for the same `seed`. Noise that differs by place stays clear
+    /// of black and white: cut off, its mean would differ too, and be a picture.
     pub fn drawn_levels(count: usize, seed: u64) -> Vec<NoiseLevel> {
         let level = |index: usize| {
             let stream = &mut Stream::new(seed, (1 << 40) + index as u64);
-            let sigma = [0.005, 0.02, 0.05][stream.below(3)];
-            let mean = [0.15, 0.3, 0.5, 0.7][stream.below(4)];
-            NoiseLevel { sigma, bits: None, case: NoiseKind::drawn(index, seed), mean }
+            let case = NoiseKind::drawn(index, seed);
+            let drawn = [0.005, 0.02, 0.05][stream.below(3)];
+            let mean: f64 = [0.15, 0.3, 0.5, 0.7][stream.below(4)];
+            let most = (1e3 * mean.min(1.0 - mean) / (NOT_CUT * case.most_by_place())).floor() / 1e3;
+            let sigma = if case.most_by_place() > 1.0 { f64::min(drawn, most) } else { drawn };
+            NoiseLevel { sigma, bits: None, case, mean }
         };
         (0..count).map(level).collect()
     }

@@ -114,21 +114,26 @@ impl ChangingLines {
         median(if self.parts[0] { smooth } else { sharp }.into_iter())
     }
 
-    /// Whether lines with offsets vary more along themselves than the others, as rows of lamps do.
+    /// Whether lines with offsets vary more along themselves than the others, as rows of lamps do. Noise, which may
+    /// differ by place, is what neighbours along a line do not share.
     pub(super) fn are_rows_of_things(&self, frames: &[&Plane], axis: usize) -> bool {
         // By line: the square of its offset, and the variance of its pixels.
         let mut lines: Vec<(f32, f32)> = Vec::new();
         for frame in frames.iter().step_by(frames.len().div_ceil(FRAMES_ALONG)) {
             let offsets = self.offsets(&lines_of(frame)[axis]);
-            let mut sums = vec![[0.0f32; 2]; offsets.len()];
+            let mut sums = vec![[0.0f32; 3]; offsets.len()];
             for v in 0..frame.height() {
-                for (u, x) in frame.row(v).iter().enumerate() {
-                    let [sum, squares] = &mut sums[[u, v][axis]];
-                    (*sum, *squares) = (*sum + x, *squares + x * x);
+                let row = frame.row(v);
+                for (u, x) in row.iter().enumerate() {
+                    let before = if axis == 0 { frame.row(v.saturating_sub(1))[u] } else { row[u.saturating_sub(1)] };
+                    let [sum, squares, steps] = &mut sums[[u, v][axis]];
+                    (*sum, *squares, *steps) = (*sum + x, *squares + x * x, *steps + (x - before).powi(2));
                 }
             }
             let length = [frame.height(), frame.width()][axis] as f32;
-            let variance = |[sum, squares]: [f32; 2]| squares / length - (sum / length).powi(2);
+            let variance = |[sum, squares, steps]: [f32; 3]| {
+                squares / length - (sum / length).powi(2) - 0.5 * steps / (length - 1.0)
+            };
             lines.extend(offsets.iter().zip(sums).map(|(offset, sums)| (offset * offset, variance(sums))));
         }
         let n = lines.len() as f32;

@@ -29,7 +29,8 @@ const MIN_PARTS: usize = 4;
 const WIDE: f64 = 10.0;
 /// Reach of a filter at the blocks that a border cuts, pixels of its octave.
 const CUT_REACH: f32 = 4.0;
-/// Share with structure, half a block off, below which too little is left to measure the noise.
+/// Share with structure, half a block off, below which too little is left to measure the noise; and of blocks that
+/// are not of one grey.
 const ENOUGH: f32 = 0.02;
 
 /// Flattening of a burst's frames by their codec.
@@ -55,12 +56,15 @@ impl Flattened {
         let (count, looked) = (total.min(BLOCKS), frames.len().min(FRAMES));
         let frame = |i: usize| frames[i * (frames.len() - 1) / (looked - 1).max(1)];
         // By part of the image: the number of blocks, and of flat ones in place and half a block off.
-        let mut parts = [[0usize; 3]; PARTS * PARTS];
+        let (mut parts, mut constant) = ([[0usize; 3]; PARTS * PARTS], 0);
         for (t, i) in (0..looked).flat_map(|t| (0..count).map(move |i| (t, i))) {
             let index = i * total / count;
             let (column, row) = (index % columns, index / columns);
             let of_part = &mut parts[row * PARTS / rows * PARTS + column * PARTS / columns];
-            let flat = |off: usize| is_flat(frame(t), (SIDE * column + off, SIDE * row + off), step);
+            let at = |off: usize| (SIDE * column + off, SIDE * row + off);
+            let flat = |off: usize| is_flat(frame(t), at(off), 1.01 * step);
+            let corner = frame(t).at(SIDE * column, SIDE * row);
+            constant += usize::from(corner > 0.0 && corner < 1.0 && is_flat(frame(t), at(0), 0.0));
             let counts = [1, usize::from(flat(0)), usize::from(flat(SIDE / 2))];
             of_part.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
         }
@@ -68,6 +72,8 @@ impl Flattened {
         let [share, shown] = shares(&all);
         // The noise of a part of the image alone may be flattened.
         let is_codec = is_codec(&all) || parts.iter().filter(|part| is_codec(part)).count() >= MIN_PARTS;
+        // Blocks of one grey show no noise, whatever made them so; black and white ones are cut off, and reported.
+        let is_codec = is_codec || constant as f32 > (1.0 - ENOUGH) * all[0] as f32;
         if !is_codec && share < 1.0 {
             return None;
         }
@@ -160,13 +166,13 @@ fn is_codec(counts: &[usize; 3]) -> bool {
     flat >= MIN_FLAT && shown > OFF_TO_IN * (1.0 - flat) && shown - (1.0 - flat) > SURE * error
 }
 
-fn is_flat(frame: &Plane, (u, v): (usize, usize), step: f32) -> bool {
+fn is_flat(frame: &Plane, (u, v): (usize, usize), within: f32) -> bool {
     let (mut min, mut max) = (f32::INFINITY, f32::NEG_INFINITY);
     (v..v + SIDE).all(|v| {
         for &x in &frame.row(v)[u..u + SIDE] {
             (min, max) = (min.min(x), max.max(x));
         }
-        max - min <= 1.01 * step
+        max - min <= within
     })
 }
 
@@ -272,6 +278,12 @@ mod tests {
         assert_eq!(Flattened::find(&[&scene], step), None);
         assert_eq!(Flattened::find(&[&scene], 0.0), None);
         assert_eq!(Flattened::find(&[&Plane::zeros(15, 9)], step), None);
+        // Blocks of one grey, but for two, show too little of the noise; black ones are cut off.
+        let few = |grey: f32| {
+            Plane::from_fn(400, 300, |u, v| if v == 20 && [100, 301].contains(&u) { 0.6 } else { grey * step })
+        };
+        assert!(Flattened::find(&[&few(90.0)], step).is_some_and(|found| !found.is_measurable()));
+        assert_eq!(Flattened::find(&[&few(0.0)], step), None);
     }
 
     #[test]

@@ -91,7 +91,8 @@ pub fn examine(
     } else {
         looked_at(clean.len(), frames[0].data().len())
     };
-    let first_look = squares.only(&looked.iter().map(|&i| kept[i]).collect::<Vec<_>>());
+    let looked_frames: Vec<usize> = looked.iter().map(|&i| kept[i]).collect();
+    let first_look = squares.only(&looked_frames);
     let about = first_look.noise_in(first_look.mean_variances(&contrasts));
     let mut shown = survey.shown(&first_look, &contrasts);
     let pattern_share = survey.pattern_share(&squares, about);
@@ -101,31 +102,31 @@ pub fn examine(
     let fastest = slopes.iter().map(|slope| slope.magnitude()).fold(0.0, f32::max);
     // With single photons in the dark every photon would be a strike.
     let is_struck = flattened.is_none() && bit.is_none() && are_struck(&first_look, &contrasts, about);
-    let struck = if is_struck { mask_struck(&mut clean, about, fastest.ceil() as usize + 1) } else { 0 };
+    // Noise that is rounded away nearly everywhere is rare, and far above what is measured.
+    let of_strikes = about.max(quantisation_step.powi(2));
+    let struck = if is_struck { mask_struck(&mut clean, of_strikes, fastest.ceil() as usize + 1) } else { 0 };
     monitor.check()?;
     // Needed by the octaves, by the scene's motion in them and by the brightness around a candidate.
     let levels = (octaves.end.max(1) as usize + 1).max(5);
-    let are_independent = survey.correlations.is_empty();
     // The mean of n bits has longer tails: Bernstein's bound for H standard deviations adds H²·bit/(6n), with H = 6.
     let of_bits = bit.map_or(0.0, |bit| bit / (looked.len() as f32).sqrt());
     // Frames as in the files: cleaning moves values away from the ends of the range.
     let as_read: Vec<&Plane> = looked.iter().map(|&i| &*frames[kept[i]]).collect();
     let (share, cut_off) = cut_off(&as_read, quantisation_step);
     let about = ((about * more).sqrt() * (1.0 + SKEWED_MEANS * share) + of_bits).powi(2);
-    let (mut reading, mut pattern) = read(&mut clean, &looked, about, are_independent, slopes, levels, monitor)?;
-    // Hot pixels alone may have been what the frames shared.
-    if !are_independent && !pattern.hot_pixels.is_empty() {
-        let flags = (squares.are_flattened, squares.are_bits, squares.least_scene);
-        let mut masked = HighPass::new(&planes(&clean));
-        (masked.are_flattened, masked.are_bits, masked.least_scene) = flags;
-        survey.correlate_again(&masked);
-        shown = survey.shown(&masked.only(&looked), &contrasts);
-        let hot_pixels = std::mem::take(&mut pattern.hot_pixels);
-        let are_independent = survey.correlations.is_empty();
-        (reading, pattern) = read(&mut clean, &looked, about, are_independent, slopes, levels, monitor)?;
-        pattern.hot_pixels.extend(hot_pixels);
-        pattern.hot_pixels.sort_unstable_by_key(|&(u, v)| (v, u));
-    }
+    let about = about.max(quantisation_step.powi(2) / 12.0);
+    let are_independent = |masked: Option<&[Arc<Plane>]>| {
+        // Hot pixels alone may have been what the frames shared.
+        if let Some(clean) = masked.filter(|_| !survey.correlations.is_empty()) {
+            let flags = (squares.are_flattened, squares.are_bits, squares.least_scene);
+            let mut masked = HighPass::new(&planes(clean));
+            (masked.are_flattened, masked.are_bits, masked.least_scene) = flags;
+            survey.correlate_again(&masked);
+            shown = survey.shown(&masked.only(&looked), &contrasts);
+        }
+        survey.correlations.is_empty()
+    };
+    let (reading, mut pattern) = read(&mut clean, &looked, about, are_independent, slopes, levels, monitor)?;
     pattern.struck = struck;
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
     // Lines hide flat blocks until they are taken off.
@@ -135,6 +136,7 @@ pub fn examine(
     // Squares of unchanged frames need not be filtered again.
     let is_changed = is_evened || struck > 0 || !pattern.is_empty() || had_lines;
     let squares = if is_changed { HighPass::new(&looked_planes) } else { first_look };
+    let (relative, by_frame) = survey.relative_noise(&squares, &contrasts, &looked_frames);
 
     let at: Vec<Offset<f32>> = looked.iter().map(|&i| offsets[i]).collect();
     let pyramids: Vec<&BoxPyramid> = reading.pyramids.iter().collect();
@@ -163,8 +165,7 @@ pub fn examine(
             squares = seen(dense);
         }
     }
-    model.brightness.relative_variance =
-        kept.iter().map(|&t| survey.frames[t].relative_variance).sum::<f32>() / kept.len() as f32;
+    model.brightness.of_frames = by_frame;
     model.frames = survey.frames;
     // The middle frame stands for all in place and brightness.
     let middle = pyramids[pyramids.len() / 2];
@@ -172,6 +173,7 @@ pub fn examine(
     let sources = Sources {
         frames: &looked_planes,
         contrasts: &contrasts,
+        relative: &relative,
         motion,
         variance_in: &variance_in,
         are_flattened: flattened.is_some(),
@@ -212,7 +214,7 @@ fn read(
     clean: &mut [Arc<Plane>],
     looked: &[usize],
     variance: f32,
-    are_independent: bool,
+    are_independent: impl FnOnce(Option<&[Arc<Plane>]>) -> bool,
     slopes: &[Slope],
     levels: usize,
     monitor: &Monitor,
@@ -225,17 +227,23 @@ fn read(
     let mut read = reading(clean, true)?;
     let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
     let mut pattern = FixedPattern::find(&planes, &read, variance);
-    // Noise shared by frames may look like stripes.
-    if !are_independent {
-        (pattern.columns, pattern.rows) = (None, None);
-    }
-    if !pattern.is_empty() {
+    // Read anew each time: lines are sought without hot pixels, and lines that change without fixed ones.
+    let has_hot_pixels = !pattern.is_empty();
+    if has_hot_pixels {
         clean.par_iter_mut().for_each(|frame| pattern.remove_from(Arc::make_mut(frame)));
-        // Read anew: lines that change are sought in the frames without the fixed pattern.
         read = reading(clean, true)?;
     }
+    // Noise shared by frames may look like stripes.
+    let are_independent = are_independent(has_hot_pixels.then_some(clean));
     if read.columns.is_empty() {
         return Ok((read, pattern));
+    }
+    if are_independent {
+        pattern = pattern.with_lines(&read);
+    }
+    if pattern.has_lines() {
+        clean.par_iter_mut().for_each(|frame| pattern.remove_from(Arc::make_mut(frame)));
+        read = reading(clean, true)?;
     }
     let brightness = read.columns.iter().flatten().flatten().sum::<f32>()
         / read.columns.iter().flatten().map(Vec::len).sum::<usize>() as f32;
@@ -250,7 +258,19 @@ fn read(
     for (axis, lines) in [pattern.changing_columns, pattern.changing_rows].into_iter().enumerate() {
         if let Some(lines) = lines {
             clean.par_iter_mut().for_each(|frame| lines.remove_from(Arc::make_mut(frame), axis));
+            read = reading(clean, true)?;
+        }
+    }
+    if pattern.has_lines() {
+        // Strong lines had hidden the hot pixels in and beside them.
+        let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
+        let hidden = FixedPattern::find(&planes, &read, variance);
+        if !hidden.is_empty() {
+            clean.par_iter_mut().for_each(|frame| hidden.remove_from(Arc::make_mut(frame)));
             read = reading(clean, false)?;
+            pattern.hot_pixels.extend(hidden.hot_pixels);
+            pattern.hot_pixels.sort_unstable_by_key(|&(u, v)| (v, u));
+            pattern.hot_pixels.dedup();
         }
     }
     Ok((read, pattern))

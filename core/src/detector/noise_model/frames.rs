@@ -55,6 +55,8 @@ pub struct FrameSurvey {
 const MIN_FLICKER: f32 = 0.015;
 /// Spread of exposures, in standard errors of a frame's mean brightness, up to which the spread is noise.
 const SURE_OF_FLICKER: f32 = 4.0;
+/// Spread of exposures, in errors of the median over squares, up to which things that move explain it.
+const SURE_OF_THINGS: f32 = 2.0;
 /// Range of exposures above which a steady change is noticed, if all places share it.
 const MIN_DRIFT: f32 = 0.005;
 /// Ratio of that range to the spread between places above which all places share the change.
@@ -146,6 +148,31 @@ impl FrameSurvey {
         (mean / usual).clamp(0.02, 1.0)
     }
 
+    /// Variance of the noise in `contrasts` of the frames `looked`, whose `squares` are given, relative to their mean;
+    /// and of each kept frame relative to the same mean, empty where all frames have the same noise.
+    pub fn relative_noise(&self, squares: &HighPass, contrasts: &[Contrast], looked: &[usize]) -> (Vec<f32>, Vec<f32>) {
+        let own = |t: usize| self.frames[t].relative_variance;
+        let are_independent = self.correlations.is_empty();
+        // Shared noise is in each frame and not in the differences: then the differences are measured.
+        let in_contrast = |contrast: &Contrast| match are_independent {
+            true => contrast.iter().map(|(i, weight)| weight * weight * own(looked[*i])).sum::<f32>(),
+            false => {
+                let variances = squares.variances(contrast);
+                self.flat.0.iter().map(|&i| variances[i]).sum::<f32>()
+            }
+        };
+        let mean = |values: &[f32]| (values.iter().sum::<f32>() / values.len() as f32).max(f32::MIN_POSITIVE);
+        let relative = |values: Vec<f32>, to: f32| values.into_iter().map(|x| x / to).collect();
+        let in_contrasts: Vec<f32> = contrasts.iter().map(in_contrast).collect();
+        let usual = mean(&in_contrasts);
+        let mut of_frames: Vec<f32> = self.kept().into_iter().map(own).collect();
+        let base = if are_independent { usual } else { mean(&of_frames) };
+        if of_frames.iter().all(|x| *x == 1.0) {
+            of_frames.clear();
+        }
+        (relative(in_contrasts, usual), relative(of_frames, base))
+    }
+
     /// Share of the variance common to all frames, where their mean exceeds `noise` everywhere; else 0.
     pub fn pattern_share(&self, squares: &HighPass, noise: f32) -> f32 {
         let kept = self.kept();
@@ -204,7 +231,7 @@ impl FrameSurvey {
         let least = BRIGHT * (looks.noise[reference] / SQUARE_PIXELS as f32).sqrt();
         // The brightest squares of a frame of bits are those with more photons by chance.
         let ratio = |t: usize| match squares.are_bits {
-            true => mean(t) / mean(reference),
+            true => (mean(t) / mean(reference), 0.0),
             false => bright_ratio(&squares.brightness[t], &squares.brightness[reference], least),
         };
         if !squares.are_bits
@@ -212,11 +239,11 @@ impl FrameSurvey {
         {
             return;
         }
-        let gains: Vec<f32> = (0..squares.frames()).map(ratio).collect();
-        for (t, &gain) in gains.iter().enumerate() {
-            if gain < BLACK {
+        let (gains, errors): (Vec<f32>, Vec<f32>) = (0..squares.frames()).map(ratio).unzip();
+        for (t, (gain, error)) in gains.iter().zip(&errors).enumerate() {
+            if gain + SURE_OF_THINGS * error < BLACK {
                 self.leave_out(t, LeftOut::Black);
-            } else if gain > 1.0 / BLACK {
+            } else if gain - SURE_OF_THINGS * error > 1.0 / BLACK {
                 self.leave_out(t, LeftOut::Flash);
             }
         }
@@ -226,7 +253,9 @@ impl FrameSurvey {
         // The median over the squares of a dark frame differs by its noise alone.
         let pixels = (squares.places.len() * SQUARE_PIXELS) as f32;
         let error = SURE_OF_FLICKER * (looks.noise[reference] / pixels).sqrt() / mean(reference);
-        let flickers = flicker > MIN_FLICKER.max(error);
+        // Few bright things that move in and out of squares change the median by its error.
+        let of_things = SURE_OF_THINGS * kept.iter().map(|&t| errors[t]).fold(0.0, f32::max);
+        let flickers = flicker > MIN_FLICKER.max(error).max(of_things);
         // The spread is taken around a trend, so a steady drift has a test of its own.
         if flickers || drift > 0.0 {
             (self.flicker, self.drift) = if flickers { (flicker, 0.0) } else { (0.0, drift) };
@@ -334,20 +363,27 @@ impl Looks {
     }
 }
 
-/// Median ratio over the squares in which the reference is brighter than `least`, weighted by brightness.
-fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> f32 {
+/// Median ratio over the squares in which the reference is brighter than `least`, weighted by brightness; its error.
+fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> (f32, f32) {
     let mut ratios: Vec<(f32, f32)> =
         squares.iter().zip(reference).filter(|(_, r)| **r > least).map(|(x, r)| (x / r, *r)).collect();
     ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
     // A median with half of the brightness on each side: bright squares tell a ratio best.
-    let half = 0.5 * ratios.iter().map(|(_, weight)| weight).sum::<f32>();
-    let mut so_far = 0.0;
-    let reaches_half = |(_, weight): &(f32, f32)| {
-        so_far += weight;
-        so_far >= half
+    let all = ratios.iter().map(|(_, weight)| weight).sum::<f32>();
+    let below = |part: f32| {
+        let mut so_far = 0.0;
+        let reaches = |(_, weight): &&(f32, f32)| {
+            so_far += weight;
+            so_far >= part * all
+        };
+        ratios.iter().find(reaches).map_or(1.0, |(ratio, _)| *ratio)
     };
-    ratios.into_iter().find(reaches_half).map_or(1.0, |(ratio, _)| ratio)
+    let squared = ratios.iter().map(|(_, weight)| weight * weight).sum::<f32>();
+    (below(0.5), MEDIAN_ERROR * (below(0.75) - below(0.25)) / 1.35 * squared.sqrt() / all.max(f32::MIN_POSITIVE))
 }
+
+/// Standard error of a median relative to that of a mean of normal values.
+const MEDIAN_ERROR: f32 = 1.25;
 
 /// Range of the logarithms of the exposures `gains`, if the squares brighter than `least` share it; else 0.
 fn shared_drift(squares: &HighPass, kept: &[usize], gains: &[f32], least: f32) -> f32 {
@@ -397,6 +433,8 @@ const EVEN: f32 = 1.75;
 /// That ratio of the squares' variances in the differences of neighbours, relative to their own, up to which all share
 /// noise alike, however strong: 1.15, and so much more per correlation. Texture varies more, and its share with it.
 const EVEN_SHARES: f32 = 0.5;
+/// Variance of a square, relative to the usual, above which it holds something: noise of one strength stays below.
+const HOLDS: f32 = 4.0;
 const MAX_LAG: usize = 16;
 
 /// Correlations of the noise of frames 1, 2, … apart, and the flattest squares with their mean variance.
@@ -420,7 +458,10 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     };
     let of_frames = own(measuring);
     let chosen_by = own(choosing);
-    let mut order: Vec<usize> = (0..squares.places.len()).collect();
+    // Squares with far more than the others hold things, such as stars on a quiet ground.
+    let of_all = own(kept);
+    let most = if squares.are_flattened || squares.are_bits { f32::INFINITY } else { HOLDS * median(of_all.clone()) };
+    let mut order: Vec<usize> = (0..squares.places.len()).filter(|&i| of_all[i] <= most).collect();
     order.sort_by(|&a, &b| chosen_by[a].total_cmp(&chosen_by[b]));
     // Where frames share noise the choice does bias the result: without texture all squares are taken.
     let next_to: Vec<usize> = measuring.windows(2).filter(|w| w[0] + 1 == w[1]).map(|w| w[0]).collect();
@@ -459,51 +500,4 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     let last = MAX_LAG.min(kept[kept.len() - 1] - kept[0]);
     let correlations: Vec<f32> = (1..=last).map(|lag| at_lag(lag).clamp(0.0, 0.98)).collect();
     (correlations, (flat.to_vec(), usual))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::monitor::Monitor;
-    use crate::plane::Plane;
-    use crate::plane::blur::{GaussianKernel, gaussian_blur};
-    use crate::synth::random::Stream;
-    use crate::synth::{NoiseCase, SceneParams, synth_scene};
-
-    fn survey_of(frames: &[&Plane]) -> FrameSurvey {
-        FrameSurvey::new(&HighPass::new(frames))
-    }
-
-    #[test]
-    fn a_change_that_all_places_share_is_drift() {
-        for (case, range) in [(NoiseCase::Fading(10), 0.1), (NoiseCase::Breathing(3), 0.03)] {
-            let burst = case.burst((320, 240), 10, 0.02, 5, &Monitor::default()).expect("not cancelled");
-            let survey = survey_of(&burst.frames.iter().map(|f| &**f).collect::<Vec<_>>());
-            assert!((survey.drift / range - 1.0).abs() < 0.15 && survey.flicker == 0.0, "{case:?}: {survey:?}");
-            let gains = survey.frames.iter().map(|f| f.gain);
-            let (min, max) = gains.fold((f32::INFINITY, 0.0f32), |(a, b), gain| (a.min(gain), b.max(gain)));
-            assert!(((max / min).ln() / range - 1.0).abs() < 0.15, "{min} {max}");
-        }
-        // A lit and a dark half, and a border between them that moves: places change, but each in its own way.
-        let frames: Vec<Plane> =
-            (0..6).map(|t| Plane::from_fn(320, 240, |u, _| if u < 40 + 40 * t { 0.6 } else { 0.3 })).collect();
-        assert_eq!(survey_of(&frames.iter().collect::<Vec<_>>()).drift, 0.0);
-    }
-
-    #[test]
-    fn a_blurred_frame_is_left_out_where_its_texture_can_be_seen() {
-        let scene = SceneParams { width: 320, height: 240, frames: 8, snr: f64::INFINITY, ..SceneParams::default() };
-        let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
-        let mut frames: Vec<Plane> = burst.frames.iter().map(|f| (**f).clone()).collect();
-        frames[3] = gaussian_blur(&frames[3], &GaussianKernel::new(2.0));
-        for (sigma, is_seen) in [(0.01, true), (0.5, false)] {
-            let mut stream = Stream::new(3, 0);
-            let mut noisy = |f: &Plane| Plane::from_fn(320, 240, |u, v| f.at(u, v) + sigma * stream.normal() as f32);
-            let noisy: Vec<Plane> = frames.iter().map(&mut noisy).collect();
-            let survey = survey_of(&noisy.iter().collect::<Vec<_>>());
-            let left_out: Vec<usize> = (0..8).filter(|&t| survey.frames[t].left_out.is_some()).collect();
-            assert_eq!(left_out, if is_seen { vec![3] } else { vec![] }, "{survey:?}");
-            assert!(!is_seen || matches!(survey.frames[3].left_out, Some(LeftOut::Blurred(share)) if share < 0.4));
-        }
-    }
 }

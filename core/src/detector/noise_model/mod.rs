@@ -79,7 +79,8 @@ struct Brightness {
     min_variance: Vec<f32>,
     cut_off: f32,
     brightest: f32,
-    relative_variance: f32,
+    /// Variance of each kept frame relative to that of the contrasts; empty where all have the same noise.
+    of_frames: Vec<f32>,
     first_octave: i32,
 }
 
@@ -94,6 +95,11 @@ const ROUNDING: f32 = 2.4e-7;
 
 fn is_zero<T: Default + PartialEq>(x: &T) -> bool {
     *x == T::default()
+}
+
+fn mean_or_1<'a>(values: impl Iterator<Item = &'a f32>) -> f32 {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));
+    if count == 0 { 1.0 } else { sum / count as f32 }
 }
 
 impl NoiseModel {
@@ -113,7 +119,8 @@ impl NoiseModel {
         }
         let levels = self.of_octave(octave);
         let noise = levels.get(level.max(0) as usize).or(levels.last()).unwrap_or(&LevelNoise::WHITE);
-        let frame = self.brightness.min_variance[self.octave_index(octave)] * self.brightness.relative_variance;
+        let frame =
+            self.brightness.min_variance[self.octave_index(octave)] * mean_or_1(self.brightness.of_frames.iter());
         let filter = [0, 1].map(|up| (space.sigma_image(octave, f64::from(level + up)) as f32).powi(2));
         let over_time = self.repeated_over_time(offsets.len(), slope.magnitude(), filter);
         let of_frames = white as f32 * noise.over_white * frame * over_time;
@@ -138,9 +145,12 @@ impl NoiseModel {
 
     /// Ratio (at least 1) of σ of D at pixel (u, v) to its smallest value, from some of the frames that cover it.
     pub fn place_factor(&self, octave: i32, read: &[FrameOffset], (u, v): (usize, usize), size: (usize, usize)) -> f32 {
-        let Brightness { pyramids, min_variance, .. } = &self.brightness;
+        let Brightness { pyramids, min_variance, of_frames, .. } = &self.brightness;
+        // Beside the border fewer frames cover a place, perhaps the noisier ones.
+        let covering = of_frames.iter().zip(read).filter(|(_, offset)| offset.covers(u, v, size)).map(|(x, _)| x);
+        let of_covering = mean_or_1(covering) / mean_or_1(of_frames.iter());
         if pyramids.is_empty() {
-            return 1.0;
+            return of_covering.sqrt().max(1.0);
         }
         let min = min_variance[self.octave_index(octave)];
         let (mut sum, mut count) = (0.0, 0usize);
@@ -155,7 +165,7 @@ impl NoiseModel {
             count += 1;
         }
         // A place outside all sampled frames gets the least noise.
-        if count == 0 || min <= 0.0 { 1.0 } else { (sum / (count as f32 * min)).sqrt().max(1.0) }
+        if count == 0 || min <= 0.0 { 1.0 } else { (of_covering * sum / (count as f32 * min)).sqrt().max(1.0) }
     }
 
     /// Variance of the frame with `pyramid` around (u, v), at the resolution of `octave`, or for `None` as measured.

@@ -219,7 +219,7 @@ fn of_frame(burst: &Burst, t: usize, columns: std::ops::Range<usize>) -> (f64, f
 
 #[test]
 fn names_of_cases_and_kinds_are_read_back_and_kinds_do_what_both_their_cases_do() {
-    NoiseCase::ALL.into_iter().for_each(|case| assert_eq!(case.name().parse(), Ok(case)));
+    NoiseCase::all().into_iter().for_each(|case| assert_eq!(case.name().parse(), Ok(case)));
     let cases = [NoiseCase::Jpeg(77), NoiseCase::Varying(3), NoiseCase::DriftingStripes(20)];
     assert_eq!(["jpeg-77", "varying-3", "drifting-stripes-2"].map(str::parse), cases.map(Ok));
     for bad in "jpeg-0 jpeg-101 varying-1 varying-x drifting-stripes-0.0 drifting-stripes-10 fading- grey ".split(' ') {
