@@ -289,14 +289,15 @@ pub fn mask_struck(frames: &mut [Arc<Plane>], variance: f32, reach: usize) -> us
         };
         let [own, before, after] = [t, others[0], others[1]].map(|t| &frames[t]);
         let stands_out = |u: usize, v: usize, deviation: f32| {
+            let limit = own.at(u, v) - (STRIKES[0] - 1.0) * deviation;
             let columns = u.saturating_sub(reach)..(u + reach + 1).min(width);
             let rows = v.saturating_sub(reach)..(v + reach + 1).min(height);
             let near = rows.flat_map(|y| [before, after].map(|frame| &frame.row(y)[columns.clone()])).flatten();
-            let (min, max) = near.fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), x| {
-                (min.min(*x), if x.is_nan() { f32::INFINITY } else { max.max(*x) })
-            });
-            // The peak of a star depends on where it lies between pixels.
-            own.at(u, v) - max > ((STRIKES[0] - 1.0) * deviation).max(OUTSHINES * (max - min))
+            // The peak of a star depends on where it lies between pixels: it outshines nothing by much.
+            near.clone().all(|x| *x < limit) && {
+                let (min, max) = near.fold((f32::MAX, f32::MIN), |(min, max), x| (min.min(*x), max.max(*x)));
+                own.at(u, v) - max > OUTSHINES * (max - min)
+            }
         };
         let candidates = |v: usize| {
             // Compared in place first: the search within `reach` is costly and rarely needed.

@@ -97,8 +97,8 @@ fn is_zero<T: Default + PartialEq>(x: &T) -> bool {
     *x == T::default()
 }
 
-fn mean_or_1<'a>(values: impl Iterator<Item = &'a f32>) -> f32 {
-    let (sum, count) = values.fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));
+fn mean_or_1<'a>(values: impl IntoIterator<Item = &'a f32>) -> f32 {
+    let (sum, count) = values.into_iter().fold((0.0, 0), |(sum, count), x| (sum + x, count + 1));
     if count == 0 { 1.0 } else { sum / count as f32 }
 }
 
@@ -119,8 +119,7 @@ impl NoiseModel {
         }
         let levels = self.of_octave(octave);
         let noise = levels.get(level.max(0) as usize).or(levels.last()).unwrap_or(&LevelNoise::WHITE);
-        let frame =
-            self.brightness.min_variance[self.octave_index(octave)] * mean_or_1(self.brightness.of_frames.iter());
+        let frame = self.brightness.min_variance[self.octave_index(octave)] * mean_or_1(&self.brightness.of_frames);
         let filter = [0, 1].map(|up| (space.sigma_image(octave, f64::from(level + up)) as f32).powi(2));
         let over_time = self.repeated_over_time(offsets.len(), slope.magnitude(), filter);
         let of_frames = white as f32 * noise.over_white * frame * over_time;
@@ -148,7 +147,7 @@ impl NoiseModel {
         let Brightness { pyramids, min_variance, of_frames, .. } = &self.brightness;
         // Beside the border fewer frames cover a place, perhaps the noisier ones.
         let covering = of_frames.iter().zip(read).filter(|(_, offset)| offset.covers(u, v, size)).map(|(x, _)| x);
-        let of_covering = mean_or_1(covering) / mean_or_1(of_frames.iter());
+        let of_covering = mean_or_1(covering) / mean_or_1(of_frames);
         if pyramids.is_empty() {
             return of_covering.sqrt().max(1.0);
         }
