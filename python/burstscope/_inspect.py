@@ -88,12 +88,6 @@ class Probe(_Answer):
         fates: list[dict[str, Any]] = self.data["probe"]["fates"]
         return fates
 
-    @property
-    def price(self) -> dict[str, Any] | None:
-        """Numbers of features now and with the remedy; with ``price=True``."""
-        price: dict[str, Any] | None = self.data["price"]
-        return price
-
     def __repr__(self) -> str:
         return f"<Probe: {self.summary}>"
 
@@ -186,7 +180,6 @@ def probe(
     at: tuple[float, float] | None = None,
     *,
     feature: int | None = None,
-    price: bool = False,
     params: str | os.PathLike[str] | None = None,
     progress: Progress = None,
     **keywords: Unpack[DetectorKeywords],
@@ -200,8 +193,6 @@ def probe(
         The place at mid-burst, pixels: column and row, the centre of the first pixel is (0, 0).
     feature : int
         Instead of a place: the feature of this row of `Detection`.
-    price : bool
-        Say also how many features the one keyword that would keep the candidate gives; this takes another search.
     params, progress, **keywords
         See `burstscope.detect`.
 
@@ -220,7 +211,7 @@ def probe(
     feature = None if feature is None else whole("feature", feature, 0)
     inspection = _inspection(burst, params, keywords, progress)
     with shown(progress) as tell:
-        return Probe(inspection.probe(place, feature, price, tell))
+        return Probe(inspection.probe(place, feature, tell))
 
 
 @documented(DetectorKeywords)

@@ -6,7 +6,7 @@ use crate::work::run;
 use burstscope::Burst;
 use burstscope::cli::{Failure, probe_document, slopes_document};
 use burstscope::inspect::ProbeCache;
-use burstscope::inspect::place::{ProbeOptions, ProbeSubject, check_place, price, probe};
+use burstscope::inspect::place::{ProbeOptions, ProbeSubject, check_place, probe};
 use burstscope::inspect::report::{probe_figure, probe_text, spectrum_figure, spectrum_text};
 use burstscope::inspect::slopes::spectrum;
 use pyo3::prelude::*;
@@ -38,13 +38,12 @@ impl RawInspection {
         })
     }
 
-    /// The fate of a place, or of a feature; with `priced`, the number of features that its remedy would give.
+    /// The fate of a place, or of a feature.
     fn probe(
         &self,
         py: Python<'_>,
         at: Option<(f32, f32)>,
         feature: Option<usize>,
-        priced: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Answer> {
         run(py, progress, |monitor| {
@@ -55,12 +54,7 @@ impl RawInspection {
             let options = ProbeOptions { wanted, ..ProbeOptions::default() };
             let place = at.map_or([0.0; 2], |(u, v)| [u, v]);
             let answer = probe(&self.cache, place, &options, monitor)?;
-            let remedy = answer.subject_fate().and_then(|fate| Some((fate.of_sample(), &fate.remedy.as_ref()?.change)));
-            let price = match remedy.filter(|_| priced) {
-                Some((sample, change)) => Some(price(&self.cache, &self.burst, change, Some(sample), monitor)?),
-                None => None,
-            };
-            let document = serde_json::to_string(&probe_document(&self.cache, &answer, price)).map_err(unwritten)?;
+            let document = serde_json::to_string(&probe_document(&self.cache, &answer)).map_err(unwritten)?;
             let name = &self.burst.name;
             Ok((document, probe_text(&answer, name), probe_figure(&answer, name).drawing.svg()))
         })

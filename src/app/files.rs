@@ -20,7 +20,7 @@ use crate::export::film::film_files;
 use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::OutputKind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
-use crate::inspect::{place::kept_of, report::BurstPage, result::DecoyStudy};
+use crate::inspect::{place::kept, report::BurstPage, result::DecoyStudy};
 use crate::monitor::Monitor;
 use crate::requests::{BurstSource, JobError, OpenBurst, Which, write_page};
 use crate::teach::{Lesson, Workspace, sheet};
@@ -272,7 +272,7 @@ fn features_work(model: Read<'_>, format: ExportFormat) -> Result<Work, String> 
     let judged = model.results.coherence.of(&detection).cloned();
     let judged = judged.ok_or("the features are still being judged; export them when the table has their verdicts")?;
     Ok(work(move |path| {
-        let (detection, verdicts) = kept_of(&detection, &judged, &[verdict]);
+        let (detection, verdicts) = kept(&detection, &judged, &[verdict]);
         format.write(path, &detection, Some(&verdicts))
     }))
 }

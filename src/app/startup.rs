@@ -25,7 +25,6 @@ with_defaults! {
         pub dataset: Option<DatasetSource>,
         pub params: SearchParams,
         pub session: Option<PathBuf>,
-        /// Steps that are done again.
         pub play: Option<Steps>,
         pub lesson: Option<Arc<Lesson>>,
         pub lessons: Vec<Lesson>,

@@ -71,7 +71,6 @@ pub fn caption_ui(ui: &mut Ui, text: &str) {
     }
 }
 
-/// Asks for the glossary at the entry of this name.
 fn ask_for(ctx: &Context, name: &str) {
     ctx.data_mut(|data| data.insert_temp(asked_id(), name.to_owned()));
     ctx.request_repaint();

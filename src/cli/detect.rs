@@ -11,7 +11,7 @@ use crate::export::{ExportFormat, OutputRules, detection_files, write_detection}
 use crate::files::lock::FolderLock;
 use crate::files::path_text;
 use crate::inspect::ProbeCache;
-use crate::inspect::place::{Verdict, kept};
+use crate::inspect::place::{Verdict, judged, kept};
 use crate::inspect::result::too_few;
 use crate::inspect::slopes::{is_doubtful, judgement};
 use crate::inspect::words::counted;
@@ -133,7 +133,8 @@ pub(super) fn detect_burst(
     searched.slopes_secs += judging.elapsed().as_secs_f32();
     let mut verdicts = None;
     if let Some(trail) = judged_by {
-        let (detection, of_kept) = kept(&trail, &job.verdicts, &console.monitor.part(0.7, 0.3))?;
+        let judged = judged(&trail, &console.monitor.part(0.7, 0.3))?;
+        let (detection, of_kept) = kept(trail.detection(), &judged, &job.verdicts);
         (searched.detection, verdicts) = (detection, Some(of_kept));
     }
     // Past this point the features are written; Ctrl-C then stops before the next burst.

@@ -11,7 +11,7 @@ use crate::burst::Positions;
 use crate::error::Error;
 use crate::files::path_text;
 use crate::inspect::ProbeCache;
-use crate::inspect::place::{Price, Probe, ProbeOptions, ProbeSubject, check_place, outside, price, probe};
+use crate::inspect::place::{Probe, ProbeOptions, ProbeSubject, check_place, outside, probe};
 use crate::inspect::report::{decoys_text, probe_figure, probe_text, spectrum_figure, spectrum_text};
 use crate::inspect::result::{DecoyStudy, decoys};
 use crate::inspect::slopes::{Spectrum, spectrum};
@@ -33,23 +33,16 @@ pub(super) fn run(args: &ProbeArgs) -> Outcome {
     let asked = ProbeOptions { wanted, ..ProbeOptions::default() };
     let answer = probe(&cache, args.at.unwrap_or_default(), &asked, &console.monitor)?;
     console.monitor.check()?;
-    // Before the price, so that interrupting its search leaves the figure.
     if let Some(path) = &args.plot {
         console.monitor.report(Stage::Write, 0.0);
         rules.check(path)?;
         probe_figure(&answer, &input.name).write(path)?;
     }
-    let remedy = answer.subject_fate().and_then(|fate| Some((fate.of_sample(), &fate.remedy.as_ref()?.change)));
-    let price_of = |(sample, change)| price(&cache, &burst, change, Some(sample), &console.monitor);
-    let price = remedy.filter(|_| args.price).map(price_of).transpose()?;
     let mut text = String::new();
     if let Some(finding) = &cache.finding {
         text += &format!("slopes {}\n", finding.summary());
     }
     text += &probe_text(&answer, &input.name);
-    if let (Some(price), Some((_, change))) = (price, remedy) {
-        text += &format!("{} {}\n", change.option(), price.sentence());
-    }
     if let Some(path) = &args.plot {
         text += &format!("wrote {}\n", path.display());
     }
@@ -59,15 +52,15 @@ pub(super) fn run(args: &ProbeArgs) -> Outcome {
         name: &input.name, inputs: input.path_texts(), width, height, frames: burst.len(),
         plot: args.plot.as_deref().map(path_text),
     };
-    console.say_document("probe", &Both { one: probe_document(&cache, &answer, price), other })
+    console.say_document("probe", &Both { one: probe_document(&cache, &answer), other })
 }
 
 /// Part of `probe --json` about a search in memory.
-pub fn probe_document(cache: &ProbeCache, answer: &Probe, price: Option<Price>) -> impl Serialize {
+pub fn probe_document(cache: &ProbeCache, answer: &Probe) -> impl Serialize {
     let detection = cache.detection();
     document! {
         params: &cache.asked, slope_grid: cache.params().used_slopes(),
-        noise_gate_factor: detection.noise_gate_factor, features: detection.features.len(), probe: answer, price,
+        noise_gate_factor: detection.noise_gate_factor, features: detection.features.len(), probe: answer,
     }
 }
 
@@ -178,9 +171,6 @@ pub struct ProbeArgs {
     /// The place of this feature, counted from 0 in the order of 'detect'.
     #[arg(long, value_name = "N")]
     pub feature: Option<usize>,
-    /// Say also how many features the option that would keep the candidate gives; this takes another search.
-    #[arg(long)]
-    pub price: bool,
     /// Draw the answer as a figure: the response over slope and scale, each frame's share, a slice along the motion,
     /// and the tests; or write its numbers as CSV or LaTeX (.tex): the response over slopes and frames.
     #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
@@ -193,7 +183,6 @@ const PROBE_HELP: &str = "\
 Examples:
   burstscope probe night/ --at 412,230
   burstscope probe night/ --at 412,230 --slopes-u -3:3:7 --plot why.svg
-  burstscope probe night/ --at 412,230 --price
   burstscope probe night/ --feature 0 --json
 
 JSON (--json), beside version, params, name, inputs and what was searched:
@@ -206,8 +195,7 @@ JSON (--json), beside version, params, name, inputs and what was searched:
     \"subject\", \"response\": {\"scales\", \"slopes\", \"snr\": [row], \"gate\", \"plane\"}, \"shares\": {\"frames\", \"coherence\", \"shape\", \"meaning\"},
     \"outlook\": {\"factor\", \"frames_now\", \"frames\", \"frames_inside\", \"exposure\", \"shot_part\", \"speed\", \"sentence\"} or null,
     \"judged\": {\"verdict\": real, ghost, alias, duplicate or unclear, \"coherence\", \"why\"} or null,
-    \"suspicions\": [{\"kind\", \"evidence\", \"number\", \"other\", \"change\"}]}
-  \"price\": {\"now\", \"then\", \"own\": [now, then]} or null, with --price";
+    \"suspicions\": [{\"kind\", \"evidence\", \"number\", \"other\", \"change\"}]}";
 
 pub(super) fn check_inside([u, v]: [f32; 2], (width, height): (usize, usize)) -> Result<(), Error> {
     let inside = u >= 0.0 && v >= 0.0 && u <= (width - 1) as f32 && v <= (height - 1) as f32;

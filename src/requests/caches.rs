@@ -122,7 +122,6 @@ struct Key {
 #[derive(Debug)]
 struct StoredTrail {
     key: Key,
-    /// The burst; the open burst shares the frames.
     open: OpenBurst,
     cache: Arc<ProbeCache>,
 }

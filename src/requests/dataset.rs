@@ -49,7 +49,6 @@ pub enum DatasetRequest {
 #[derive(Debug, Clone)]
 pub struct OpenDataset {
     pub source: DatasetSource,
-    /// Its bursts; at least one.
     pub bursts: Bursts,
     pub strays: Vec<PathBuf>,
     /// Files of its only burst; `None` if there are several bursts.
@@ -59,7 +58,6 @@ pub struct OpenDataset {
     pub folder_error: Option<String>,
     pub params: SearchParams,
     pub open: OpenOptions,
-    /// Summary of each burst that is finished with `params`.
     pub finished: Vec<Option<FinishedBurst>>,
     pub other_params: Option<SearchParams>,
 }

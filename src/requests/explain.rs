@@ -3,12 +3,11 @@
 
 use super::caches::trail_and_rest;
 use super::{BurstId, Caches, DetectionSource, JobError, MatchRequest, Request, Work};
-use crate::detector::{Detection, ParamChange, Slope, Test};
+use crate::detector::{Detection, Slope, Test};
 use crate::inspect::ProbeCache;
 use crate::inspect::pair::{ComparedPair, Losses, Lost, NearestOfBoth};
 use crate::inspect::place::{
-    CandidateMark, Judged, Price, Probe, ProbeOptions, ProbeSubject, Survey, SurveyOptions, judged, price_at_once,
-    probe, survey,
+    CandidateMark, Judged, Probe, ProbeOptions, ProbeSubject, Survey, SurveyOptions, judged, probe, survey,
 };
 use crate::inspect::result::{DecoyStudy, Decoys, TooFew, decoys, too_few};
 use crate::inspect::slopes::{Spectrum, spectrum};
@@ -139,16 +138,8 @@ request! {
         };
         let (near_sigma, in_view) = (self.near_sigma, self.in_view);
         let options = ProbeOptions { wanted, near_sigma, in_view, ..ProbeOptions::default() };
-        let probe = probe(cache, place, &options, monitor)?;
-        let fate = probe.subject_fate();
-        let remedy = fate.and_then(|fate| fate.remedy.as_ref()).map(|remedy| &remedy.change);
-        let mut prices = Vec::new();
-        // Only prices that the trail gives without a search.
-        for change in remedy.into_iter().chain(probe.suspicions.iter().filter_map(|one| one.change.as_ref())) {
-            let price = price_at_once(&cache.trail, change, fate.map(|fate| fate.of_sample()), monitor)?;
-            prices.extend(price.map(|price| (change.clone(), price)));
-        }
-        Ok(Probed { request: self, probe: Arc::new(probe), prices })
+        let probe = Arc::new(probe(cache, place, &options, monitor)?);
+        Ok(Probed { request: self, probe })
     }
 }
 
@@ -156,8 +147,6 @@ request! {
 pub struct Probed {
     pub request: ProbeRequest,
     pub probe: Arc<Probe>,
-    /// Prices of proposed changes, as far as no search is needed.
-    pub prices: Vec<(ParamChange, Price)>,
 }
 
 /// Strongest candidate by SNR, or by |D| without noise, among those at an extremum of their own.

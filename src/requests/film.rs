@@ -1,15 +1,13 @@
-//! A sweep over slope, scale or frames as a film: each step as a figure with its features, its numbers and the meaning
-//! of the colours.
+//! A sweep over slope, scale or frames as a film: each step as a figure with its features and its numbers.
 
 use super::{OpenBurst, SlopeColours};
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::view::{dog_view, stack_view};
-use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Scale, Slope, SlopeGrid, memory};
+use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Scale, Slope, memory};
 use crate::error::{Error, ErrorKind};
 use crate::export::film::{check_film, write_film};
 use crate::export::{
-    Cells, ColourBar, Drawing, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, IN_A_CELL,
-    LegendEntry, lay_out,
+    Cells, ColourBar, Drawing, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, IN_A_CELL, lay_out,
 };
 use crate::inspect::slopes::is_at_slope;
 use crate::inspect::words::{counted, number, slope_text};
@@ -19,7 +17,6 @@ use crate::plane::display::{Display, to_rgba8};
 use crate::plane::statistics::{Region, percentiles_until};
 use image::RgbaImage;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
 use std::io;
 use std::ops::Range;
 use std::path::Path;
@@ -95,7 +92,6 @@ fn undrawn(problem: String) -> Error {
 /// Percentiles of all pictures that are black and white.
 const RANGE: [f32; 2] = [0.1, 99.9];
 const FONT_PX: f32 = 12.0;
-const MAX_LEGEND_ENTRIES: usize = 8;
 
 /// Steps, display and size that the pictures of a film share, and the values that were kept of them.
 struct Prepared {
@@ -103,7 +99,6 @@ struct Prepared {
     planes: Vec<Option<Plane>>,
     /// Value range of all pictures, for comparison.
     display: Display,
-    legend: Vec<LegendEntry>,
     sheet: [f32; 2],
 }
 
@@ -140,7 +135,7 @@ impl Film {
     }
 
     pub fn size(&self) -> (u32, u32) {
-        self.sheet(&self.legend()).map(|side| side as u32).into()
+        self.sheet().map(|side| side as u32).into()
     }
 
     /// Only as many pictures are in memory at a time as there are threads, and fewer where memory is small. `may_write`
@@ -202,9 +197,7 @@ impl Film {
             Sweep::Scale => Display::symmetric(low.abs().max(high.abs()).max(f32::MIN_POSITIVE)),
             _ => Display::default().with_range(low, high),
         };
-        let legend = self.legend();
-        let sheet = self.sheet(&legend);
-        Ok(Prepared { steps: steps.to_vec(), planes, display, legend, sheet })
+        Ok(Prepared { steps: steps.to_vec(), planes, display, sheet: self.sheet() })
     }
 
     /// In order, made as they are taken: as many at a time as `room` bytes hold, at least one.
@@ -248,7 +241,7 @@ impl Film {
         let prepared = &*prepared;
         let picture = |(index, plane): (usize, &Plane)| -> Result<RgbaImage, Error> {
             monitor.check()?;
-            let panel = self.panel(&prepared.steps[index], Some((plane, &prepared.display)), &prepared.legend);
+            let panel = self.panel(&prepared.steps[index], Some((plane, &prepared.display)));
             let mut drawing = lay_out(&[vec![panel]], &FigureMatches::default(), &self.options());
             drawing.size = prepared.sheet;
             draw(&drawing).map_err(undrawn)
@@ -256,8 +249,8 @@ impl Film {
         group.zip(&planes).collect::<Vec<_>>().into_par_iter().map(picture).collect()
     }
 
-    fn sheet(&self, legend: &[LegendEntry]) -> [f32; 2] {
-        let panel = |step: &FilmStep| vec![self.panel(step, None, legend)];
+    fn sheet(&self) -> [f32; 2] {
+        let panel = |step: &FilmStep| vec![self.panel(step, None)];
         let size = |step: &FilmStep| lay_out(&[panel(step)], &FigureMatches::default(), &self.options()).size;
         self.steps().iter().map(size).fold([1f32; 2], |a, b| [a[0].max(b[0].ceil()), a[1].max(b[1].ceil())])
     }
@@ -308,15 +301,8 @@ impl Film {
         self.features(step).filter(|feature| is_drawn([feature.u, feature.v])).collect()
     }
 
-    /// Slopes of all drawn features; pictures have one size, so one legend serves all pictures.
-    fn legend(&self) -> Vec<LegendEntry> {
-        let (Some(found), colours, steps) = (&self.detection, self.colours(), self.steps()) else { return Vec::new() };
-        let drawn = steps.iter().flat_map(|step| self.drawn(step));
-        slope_legend(&found.slopes, drawn, (MAX_LEGEND_ENTRIES, colours.wheel()), |slope| colours.colour(slope))
-    }
-
     /// A step as a panel of a figure; without values an empty one of the same size.
-    fn panel(&self, step: &FilmStep, values: Option<(&Plane, &Display)>, legend: &[LegendEntry]) -> FigurePanel {
+    fn panel(&self, step: &FilmStep, values: Option<(&Plane, &Display)>) -> FigurePanel {
         let (shrink, (width, height)) = (self.shrink(), self.burst.burst.size());
         let size = ((width / shrink).max(1), (height / shrink).max(1));
         let display = values.map_or_else(Display::default, |(_, display)| *display);
@@ -333,7 +319,7 @@ impl Film {
             image_px_per_px: shrink as f32,
             marks: if values.is_some() { marks.collect() } else { Vec::new() },
             title: Some(self.title(step, drawn.len(), self.features(step).count())),
-            legend: legend.to_vec(),
+            legend: Vec::new(),
             bar: Some(ColourBar::of(&display, low, format!("{high} % of full scale"))),
         }
     }
@@ -367,27 +353,6 @@ impl Film {
             None => is_at_slope(&grid, feature, slope),
         })
     }
-}
-
-/// Slopes of `grid` by which the `drawn` features move, each with its colour, at most `most` of them. Where there are
-/// more than a few and the colours are those of directions, the wheel of these, whose rim is a length in px/frame.
-pub fn slope_legend<'a>(
-    grid: &SlopeGrid,
-    drawn: impl IntoIterator<Item = &'a Feature>,
-    (most, wheel): (usize, Option<f32>),
-    colour: impl Fn(Slope) -> [u8; 3],
-) -> Vec<LegendEntry> {
-    const FEW: usize = 6;
-    let used: BTreeSet<usize> = drawn.into_iter().map(|feature| grid.nearest(feature.motion().0)).collect();
-    if let Some(rim) = wheel.filter(|_| used.len() > FEW) {
-        return vec![LegendEntry::wheel(format!("slope up to {} px/frame", number(rim, 2)))];
-    }
-    let every = used.len().div_ceil(most).max(1);
-    let entry = |index: usize| {
-        let slope = grid.slope(index);
-        LegendEntry::square(colour(slope), format!("{} px/frame", slope_text(slope)))
-    };
-    used.into_iter().step_by(every).map(entry).collect()
 }
 
 #[cfg(test)]

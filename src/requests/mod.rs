@@ -40,7 +40,7 @@ pub use explain::{
 pub use figure::{
     FigurePicture, FigurePreview, FigureRequest, MatchFigure, MatchPictures, are_stacked, titled, write_page,
 };
-pub use film::{Film, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
+pub use film::{Film, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
 pub use map::{MotionMap, SlopeColours, line_of};
 pub use open::{BurstId, FolderRequest, OpenBurst, PREVIEW_OCTAVES, ShapeRequest};

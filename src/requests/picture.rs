@@ -32,7 +32,6 @@ const PREVIEWED_PX: usize = 3_000_000;
 /// Part of a picture that a preview shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Preview {
-    /// Octave of its pixels.
     pub octave: i32,
     /// Place in the picture, in pixels of the octave.
     pub region: Region,

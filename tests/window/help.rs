@@ -61,7 +61,7 @@ fn the_garlands_open_on_an_alias_with_its_evidence() {
     // The object that really moves there responds more strongly, one period of the texture away.
     let other = alias.other_slope.expect("another slope");
     assert!((other.u - ALIASING_SLOPE).abs() < 0.2 && alias.number > 1.0, "{alias:?}");
-    assert!(window.shows("An alias?") && window.shows("repeats every 8 px"), "it is said at once");
+    assert!(window.shows("Alias?") && window.shows("repeats every 8 px"), "it is said at once");
     // The picture is that of a slope at which nothing moves, and yet the garlands are sharp.
     let slope = window.document().cursor().slope;
     assert_eq!((slope.u, slope.v), (ALIASING_SLOPE - GARLAND_PERIOD, 0.0));

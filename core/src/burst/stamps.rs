@@ -311,7 +311,6 @@ impl Source {
         }
     }
 
-    /// Seconds of some frames.
     fn seconds(&self, frames: &[usize]) -> Vec<f64> {
         let second = |t: &usize| match self {
             Self::Stamps(stamps) => stamps.seconds(*t),

@@ -100,7 +100,6 @@ pub(super) fn why_refused(path: &Path, matches: usize) -> Option<Refusal> {
     }
 }
 
-/// An image of an export, as its pairs know it.
 pub(super) struct PairedImage {
     pub name: String,
     pub features: usize,

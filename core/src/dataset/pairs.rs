@@ -213,7 +213,6 @@ pub fn match_pairs<E: From<Error>>(
     for_pairs(pairs, params, source, (&matched, &mut on), monitor)
 }
 
-/// A pair with what was made of its matches.
 type MadePair<'a, T> = ((usize, usize), [&'a BurstSide; 2], T);
 
 type Make<'a, T> = &'a (dyn Fn((usize, usize), [MatchSide<'_>; 2]) -> Result<T> + Sync);

@@ -6,7 +6,7 @@
 //! so the values are those of a search at that slope, up to interpolation (and, in coarser octaves, the reduction).
 
 use crate::detector::params::Slope;
-use crate::detector::scale_space::{Base, SIGMA_INPUT, octave_pixel, octave_size};
+use crate::detector::scale_space::{Base, SIGMA_INPUT, Scale, octave_pixel, octave_size};
 use crate::detector::search::setup::Inputs;
 use crate::detector::stack::{interpolation_blur, shifted_offsets};
 use crate::kernel::patch::{Patch, PatchScratch, inside, stack_patch};
@@ -22,6 +22,12 @@ use std::sync::OnceLock;
 pub fn around(place: f32, radius: usize) -> Range<i64> {
     let (middle, radius) = ((place + 0.5).floor() as i64, radius as i64);
     middle - radius..middle + radius + 1
+}
+
+/// Pixel in whose columns and rows `place` lies, inside an image of `size`.
+pub(super) fn floor_pixel(place: (f32, f32), size: (usize, usize)) -> (usize, usize) {
+    let pixel = |x: f32, n: usize| (x.max(0.0) as usize).min(n - 1);
+    (pixel(place.0, size.0), pixel(place.1, size.1))
 }
 
 impl Base<'_> {
@@ -126,6 +132,19 @@ impl<'a> Along<'a> {
         let (planes, offsets) = frames.chosen(slope, some);
         frames.response(&planes, &offsets, levels, at)
     }
+
+    /// σ of that D at any slope: the noise of the mean over the `chosen` frames that see the place.
+    pub fn sigma_d_at(&self, scale: Scale, (place, slope): ((f32, f32), Slope), chosen: &[usize]) -> f32 {
+        let Scale { octave, level } = scale;
+        let (all, size) = (self.inputs.offsets(slope), self.inputs.size_image);
+        let chosen = chosen.iter().map(|&index| (&*self.inputs.frames[index], all[index]));
+        let (frames, offsets): (Vec<&Plane>, Vec<_>) = chosen.unzip();
+        let at = floor_pixel(place, size);
+        let min = self.inputs.sigma_d(octave, level, slope, &offsets);
+        // The place factor samples all frames that took part.
+        let seeing = self.inputs.seeing(&frames, octave, &offsets, at);
+        min * ((offsets.len() as f32 / seeing).sqrt() * self.inputs.noise.place_factor(octave, &all, at, size))
+    }
 }
 
 pub struct OctaveFrames<'a> {
@@ -168,6 +187,19 @@ impl OctaveFrames<'_> {
 
     /// As [`Along::response`], for the mean of `planes`, which are some of these frames, read at `offsets`.
     pub fn response(&self, planes: &[&Plane], offsets: &[FrameOffset], levels: Range<i32>, at: (f32, f32)) -> Vec<f32> {
+        self.responses(planes, offsets, levels, at, (0, 0)).into_iter().flatten().collect()
+    }
+
+    /// As [`Self::response`], for each level at all places of a lattice around `at`, row by row: so many to each side
+    /// along both axes, and so many octave pixels apart.
+    pub fn responses(
+        &self,
+        planes: &[&Plane],
+        offsets: &[FrameOffset],
+        levels: Range<i32>,
+        at: (f32, f32),
+        lattice: (usize, usize),
+    ) -> Vec<Vec<f32>> {
         let from = self.sigma_octave(offsets);
         // The frames are blurred already: each kernel adds what its level lacks.
         let kernel = |s: i32| {
@@ -179,23 +211,29 @@ impl OctaveFrames<'_> {
         let pixel = octave_pixel(self.octave);
         let inside = |x: f32, n: usize| (x / pixel).clamp(0.0, n as f32 - 1.0);
         let (x, y) = (inside(at.0, size.0), inside(at.1, size.1));
-        let reach = kernels.last().map_or(0, GaussianKernel::radius);
+        let reach = kernels.last().map_or(0, GaussianKernel::radius) + lattice.0 * lattice.1;
         let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
         self.base(planes, offsets).patch(size, around(x, reach), around(y, reach), &mut scratch, &mut patch);
-        let weighted: Vec<f32> = kernels.iter().map(|kernel| weighted(&patch, kernel, reach)).collect();
-        weighted.windows(2).map(|two| two[1] - two[0]).collect()
+        let weighted: Vec<Vec<f32>> = kernels.iter().map(|kernel| weighted(&patch, kernel, reach, lattice)).collect();
+        weighted
+            .windows(2)
+            .map(|two| two[1].iter().zip(&two[0]).map(|(large, small)| large - small).collect())
+            .collect()
     }
 }
 
-/// Value of `kernel` applied at the middle of `patch`, which reaches `reach` pixels from it.
-fn weighted(patch: &Patch, kernel: &GaussianKernel, reach: usize) -> f32 {
-    let radius = kernel.radius();
-    let half = kernel.half();
-    let taps: Vec<f32> = half[1..].iter().rev().chain(half).copied().collect();
-    let within = reach - radius..reach + radius + 1;
-    let row = |v: i64| -> f32 { patch.row(v)[within.clone()].iter().zip(&taps).map(|(x, w)| x * w).sum() };
-    let first = patch.rows().start + (reach - radius) as i64;
-    taps.iter().zip(first..).map(|(w, v)| w * row(v)).sum()
+/// Values of `kernel` applied on a lattice around the middle of `patch`, which reaches `reach` pixels from it.
+fn weighted(patch: &Patch, kernel: &GaussianKernel, reach: usize, (half, step): (usize, usize)) -> Vec<f32> {
+    let taps: Vec<f32> = kernel.half()[1..].iter().rev().chain(kernel.half()).copied().collect();
+    let first = |i: usize| reach + i * step - half * step - kernel.radius();
+    let sum = |values: &[f32]| -> f32 { values.iter().zip(&taps).map(|(x, w)| x * w).sum() };
+    let along_rows = |i: usize| patch.rows().map(|v| sum(&patch.row(v)[first(i)..first(i) + taps.len()])).collect();
+    let columns: Vec<Vec<f32>> = (0..=2 * half).map(along_rows).collect();
+    let at = |j: usize, column: &[f32]| sum(&column[first(j)..first(j) + taps.len()]);
+    (0..=2 * half)
+        .flat_map(|j| columns.iter().map(move |column| (j, column)))
+        .map(|(j, column)| at(j, column))
+        .collect()
 }
 
 #[cfg(test)]

@@ -2,9 +2,16 @@
 //!
 //! A true feature is in every frame: the responses are level. A ghost (a blob of another motion that shows in the stack
 //! of a wrong slope) responds only in frames in which the true blob crosses its path: its responses form a bump.
+//!
+//! All frames may respond alike to what moves otherwise, too: to the smeared image of a thing too small for the scales,
+//! to the hollow beside a bright blob, to a corner that becomes a blob only where it is smeared. But then the picture
+//! around the feature changes from frame to frame ([`PatchCoherence`]). So the frames are taken in three parts, the
+//! first, the middle and the last of them, and D is compared on a lattice around the feature along its motion: at the
+//! right slope the parts differ by noise alone. A wrong slope shifts the picture steadily, and noise falls with the
+//! number of frames: so there are only three.
 
 use crate::burst::Offset;
-use crate::detector::along::Along;
+use crate::detector::along::{Along, floor_pixel};
 use crate::detector::feature::Feature;
 use crate::detector::params::Slope;
 use crate::detector::scale_space::Scale;
@@ -69,12 +76,6 @@ impl Along<'_> {
     pub(super) fn evenness(&self, feature: &Feature, monitor: &Monitor) -> Result<Evenness, Cancelled> {
         Ok(evenness_of(&self.each_frame(feature.scale(), [feature.u, feature.v], feature.slope, monitor)?))
     }
-}
-
-/// Pixel in whose columns and rows `place` lies, inside an image of `size`.
-pub(super) fn floor_pixel(place: (f32, f32), size: (usize, usize)) -> (usize, usize) {
-    let pixel = |x: f32, n: usize| (x.max(0.0) as usize).min(n - 1);
-    (pixel(place.0, size.0), pixel(place.1, size.1))
 }
 
 /// Unevenness, in standard deviations, above which the responses differ.
@@ -168,4 +169,86 @@ pub fn responding(answers: &[(f32, f32)]) -> Vec<bool> {
         (0..answers.len() as i64).map(|i| sign * (0.25 * at(i - 1) + 0.5 * at(i) + 0.25 * at(i + 1))).collect();
     let max = smooth.iter().copied().fold(0.0, f32::max);
     smooth.iter().map(|&x| max > 0.0 && x >= ANSWERS * max).collect()
+}
+
+/// How alike the parts of the frames show the picture around a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PatchCoherence {
+    /// Share, 0 … 1, of the parts' squared D that their mean has, both without noise.
+    pub coherence: f32,
+    /// Excess of the differences between the parts over those that noise makes, in standard deviations.
+    pub excess_sigmas: f32,
+    /// Squared D of the mean over the noise's, less the noise's share.
+    pub strength: f32,
+    /// Direction (u, v), of length 1, along which the mean changes least.
+    pub flattest: [f32; 2],
+}
+
+const PARTS: usize = 3;
+/// Places to each side of the feature, their distance, and the σ of their weights, in σ of the feature.
+const HALF: usize = 3;
+const STEP_SIGMAS: f64 = 0.8;
+const WINDOW_SIGMAS: f32 = 2.0;
+/// Number of neighbouring places, about, that have the same noise.
+const ALIKE: f32 = 2.0;
+/// Error of D in a burst without noise.
+const ROUNDING: f32 = 1e-6;
+
+impl Along<'_> {
+    /// Coherence of the picture around `place` (input pixels, at mid-burst) at `scale` and `slope`; `None` where fewer
+    /// than two frames show it.
+    pub fn patch_coherence(&self, scale: Scale, place: (f32, f32), slope: Slope) -> Option<PatchCoherence> {
+        let (shown, frames) = (self.showing(place, slope), self.of(scale.octave));
+        let sigma = self.inputs.space.sigma_octave(f64::from(scale.level));
+        let step = ((STEP_SIGMAS * sigma).round() as usize).max(1);
+        let count = shown.len().min(PARTS);
+        // D over the noise of one frame, with the number of frames: parts of more of them count for more.
+        let part = |index: usize| {
+            let chosen = &shown[index * shown.len() / count..(index + 1) * shown.len() / count];
+            let (planes, offsets) = frames.chosen(slope, chosen);
+            let [d] = &frames.responses(&planes, &offsets, scale.level..scale.level + 1, place, (HALF, step))[..]
+            else {
+                unreachable!("one level");
+            };
+            let of_one = self.sigma_d_at(scale, (place, slope), chosen) * (chosen.len() as f32).sqrt();
+            (chosen.len() as f32, d.iter().map(|d| d / of_one.max(ROUNDING)).collect::<Vec<f32>>())
+        };
+        let parts: Vec<(f32, Vec<f32>)> = (0..count).map(part).collect();
+        (count > 1).then(|| compared(&parts, step as f32 / sigma as f32))
+    }
+}
+
+/// Compares `parts`, each D over its noise on a lattice of steps of `step` σ, with its number of frames. Parts that
+/// differ in strength alone, as brightness changes, are alike.
+fn compared(parts: &[(f32, Vec<f32>)], step: f32) -> PatchCoherence {
+    let (side, half) = (2 * HALF + 1, HALF as f32);
+    let frames: f32 = parts.iter().map(|(count, _)| count).sum();
+    let mean_at = |at: usize| parts.iter().map(|(count, d)| count * d[at]).sum::<f32>() / frames;
+    let mean: Vec<f32> = (0..side * side).map(mean_at).collect();
+    let weight = |at: usize| {
+        let distance = step * ((at % side) as f32 - half).hypot((at / side) as f32 - half);
+        (-0.5 * (distance / WINDOW_SIGMAS).powi(2)).exp()
+    };
+    let weights: Vec<f32> = (0..side * side).map(weight).collect();
+    let product = |a: &[f32], b: &[f32]| -> f32 { a.iter().zip(b).zip(&weights).map(|((a, b), w)| a * b * w).sum() };
+    let (sum, squares): (f32, f32) = (weights.iter().sum(), weights.iter().map(|w| w * w).sum());
+    let of_all: f32 = parts.iter().map(|(count, d)| count * product(d, d)).sum();
+    let as_mean = |(count, d): &(f32, Vec<f32>)| count * product(d, &mean).powi(2);
+    let of_mean = parts.iter().map(as_mean).sum::<f32>() / product(&mean, &mean).max(f32::MIN_POSITIVE);
+    let free = parts.len() as f32 - 1.0;
+    let (strength, excess) = (of_mean - sum, of_all - of_mean - free * (sum - ALIKE * squares / sum));
+    // The structure tensor: D changes least across the steepest direction.
+    let inner = (1..side - 1).flat_map(|row| (1..side - 1).map(move |column| row * side + column));
+    let [mut uu, mut uv, mut vv] = [0.0f32; 3];
+    for at in inner {
+        let (du, dv) = (mean[at + 1] - mean[at - 1], mean[at + side] - mean[at - side]);
+        [uu, uv, vv] = [uu + weights[at] * du * du, uv + weights[at] * du * dv, vv + weights[at] * dv * dv];
+    }
+    let steepest = 0.5 * (2.0 * uv).atan2(uu - vv);
+    PatchCoherence {
+        coherence: (strength / (strength + excess).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0),
+        excess_sigmas: excess / (2.0 * ALIKE * free * squares).sqrt(),
+        strength,
+        flattest: [-steepest.sin(), steepest.cos()],
+    }
 }

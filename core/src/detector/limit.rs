@@ -21,12 +21,14 @@ const MIN_FRAMES: usize = 2;
 
 /// Rise of a feature's response from the rim of the slopes to a slope a step beyond, whatever the noise.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Rise {
+pub(crate) struct Rise {
     difference: f32,
     /// Response times the ratio of noise in D of the frames that show the place at both slopes to that of all frames.
     noise: f32,
     /// √(2·loss).
     spread: f32,
+    /// Response beyond over that on the rim.
+    pub(crate) ratio: f32,
 }
 
 impl Rise {
@@ -39,7 +41,7 @@ impl Rise {
 impl Along<'_> {
     /// Rises of the response of `feature` beyond the rim, before the test for noise; equal for all features of a
     /// keypoint. The feature is [at the limit](Feature::at_slope_limit) if one of them exceeds the noise.
-    pub(super) fn rises(&self, feature: &Feature) -> Vec<Rise> {
+    pub(crate) fn rises(&self, feature: &Feature) -> Vec<Rise> {
         let Some((rim, beyond)) = self.rim_and_beyond(feature.slope) else { return Vec::new() };
         let place = (feature.u, feature.v);
         let on_rim = self.showing(place, rim);
@@ -59,7 +61,8 @@ impl Along<'_> {
             let loss = response_loss(apart, &self.inputs.times.positions, feature.sigma);
             let frames = (on_rim.len() as f32 / both.len() as f32).sqrt();
             let (noise, spread) = (frames * feature.response.abs(), (2.0 * loss).sqrt());
-            (there > RISE_RATIO * here.abs()).then_some(Rise { difference: there - here, noise, spread })
+            let ratio = there / here.abs();
+            (ratio > RISE_RATIO).then_some(Rise { difference: there - here, noise, spread, ratio })
         };
         beyond.into_iter().filter_map(rise).collect()
     }

@@ -32,7 +32,6 @@ struct Link {
 pub struct Tracks {
     /// Matches of each place, in the order of the other images: one for each.
     links: Vec<Vec<Link>>,
-    /// Places of each image.
     places: Vec<BTreeSet<u32>>,
 }
 

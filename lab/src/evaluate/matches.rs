@@ -312,7 +312,6 @@ impl TrueViews {
     }
 }
 
-/// The truth about a pair.
 struct TruePair<'a> {
     views: &'a TrueViews,
     geometry: TwoViewModel,

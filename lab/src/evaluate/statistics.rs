@@ -28,11 +28,6 @@ impl Mean {
     pub fn within_error(&self) -> Option<[f64; 2]> {
         self.standard_error.map(|error| [self.mean - error, self.mean + error])
     }
-
-    /// Whether the mean is within `k` standard errors of 0; fewer than two samples cannot show a difference.
-    pub fn is_consistent_with_zero(&self, k: f64) -> bool {
-        self.standard_error.is_none_or(|error| self.mean.abs() <= k * error)
-    }
 }
 
 impl std::fmt::Display for Mean {
@@ -98,9 +93,6 @@ mod tests {
         assert_eq!(Mean::of(&[5.0]), Mean { mean: 5.0, standard_error: None });
         assert!(Mean::of(&[]).mean.is_nan());
         assert_eq!(format!("{:.2}|{:>14}", mean, mean), "3.00 ± 1.08|     3.0 ± 1.1");
-        // A bias is told from chance.
-        assert!(Mean::of(&[-1.0, 1.2, -0.9, 1.0]).is_consistent_with_zero(2.0));
-        assert!(!Mean::of(&[1.0, 1.2, 0.9, 1.0]).is_consistent_with_zero(3.0));
     }
 
     #[test]

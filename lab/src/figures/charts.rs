@@ -153,7 +153,6 @@ impl TestTarget {
 struct FoundOnTarget {
     label: String,
     word: String,
-    /// The middle frame.
     frame: Arc<Plane>,
     /// Features at the threshold, strongest first.
     kept: Vec<Scored>,

@@ -56,7 +56,9 @@ fn check(report: &AccuracyReport, bars: &[Bar], crowded: bool) {
             unbiased.push(&row.scale);
         }
         for errors in unbiased {
-            assert!(errors.signed.is_consistent_with_zero(BIAS_STANDARD_ERRORS), "{errors:?}");
+            // Fewer than two samples show no difference.
+            let chance = errors.signed.standard_error.map_or(f64::INFINITY, |error| BIAS_STANDARD_ERRORS * error);
+            assert!(errors.signed.mean.abs() <= chance, "{errors:?}");
         }
         // Discs beyond the grid are marked, except for a few whose noise pulls them inside.
         assert!(row.beyond.marked * 100 >= row.beyond.found * 95, "{:?}", row.beyond);

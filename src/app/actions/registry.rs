@@ -106,7 +106,6 @@ pub enum Does {
         turn: fn(&mut Document),
     },
     Set(fn(&mut Document)),
-    /// Goes to a slope of the grid from the slope on show.
     Slope(fn(&SlopeGrid, Slope) -> Slope),
     /// Goes to another frame, and shows it.
     Frame(fn(&mut Cursor)),

@@ -28,7 +28,6 @@ pub fn inspects_burst(model: Read<'_>) -> bool {
     has_burst(model) && in_inspect(model)
 }
 
-/// The slot of the pane in focus.
 pub fn active(model: Read<'_>) -> &Slot {
     &model.results.slots[model.active_side()]
 }

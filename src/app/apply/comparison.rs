@@ -53,7 +53,6 @@ pub fn forget_reference(model: &mut Model, side: Side, with: Reference) {
     }
 }
 
-/// Selects a row of the comparison of `side`, and of A its feature.
 pub fn select_row(model: &mut Model, side: Side, row: Option<usize>) {
     model.document.comparisons[side].selected = row;
     if side == Side::A {

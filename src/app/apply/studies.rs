@@ -117,7 +117,6 @@ pub(super) fn take_figures(model: &mut Model, ended: Ended<FiguresJob>) {
     }
 }
 
-/// Opens a trajectory, or without a path closes it.
 pub fn open_trajectory(model: &mut Model, which: Which, path: Option<PathBuf>, engine: &Engine) {
     let (set, poses) = (&mut model.document.trajectories, &mut model.results.poses);
     let mut request = poses.request(set.study);

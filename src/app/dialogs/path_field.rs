@@ -90,7 +90,6 @@ impl PathField {
 /// Most names on offer at a time.
 const MOST: usize = 200;
 
-/// The folder of the last name in `text`.
 fn folder_of(text: &str) -> PathBuf {
     let folder = path_from_text(&text[..name_start(text)]);
     if folder.as_os_str().is_empty() { ".".into() } else { folder }
@@ -109,7 +108,6 @@ fn offered(text: &str, first: &[String], names: &[String]) -> Vec<String> {
     all.filter(|whole| whole.starts_with(text) && whole != text).collect()
 }
 
-/// The longest beginning of all `texts`.
 fn common_start(texts: &[String]) -> Option<String> {
     let first = texts.first()?;
     let ends = first.char_indices().map(|(place, letter)| place + letter.len_utf8());

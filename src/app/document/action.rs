@@ -178,11 +178,9 @@ others {
     OpenDataset(DatasetSource),
     UseFeatureFolder(PathBuf),
     OpenGold(Side, BurstSource),
-    /// Features of another program.
     OpenFeatures(Side, PathBuf),
     OpenTrajectory(Which, PathBuf),
     CloseTrajectory(Which),
-    /// The burst at a place of the open dataset.
     OpenBurstAt(usize),
     /// The open burst as a dataset of bursts of this many frames.
     CutOpenBurst(usize),
@@ -203,7 +201,6 @@ others {
 
     /// The first `n` frames, added up along the slope; of one its frame.
     UseFrames(usize),
-    /// Advice for the burst of a side.
     ApplyChanges(Side, Vec<ParamChange>),
     ApplySetUp,
     ExamineSlopes,
@@ -227,7 +224,6 @@ others {
 
     SortPairs(PairColumn),
     SetPoseStudy(PoseStudy),
-    /// The burst of a camera, by its label.
     OpenCamera(String),
     /// The burst of a camera, with the feature of an index.
     OpenFeature(String, usize),
@@ -267,7 +263,6 @@ pub enum Pointed {
     Loupe(Option<(Side, Slope)>),
     /// The shape that is typed for a file without header.
     Shape(Option<ShapeRequest>),
-    /// The folder of the path that is typed.
     Folder(Option<FolderRequest>),
 }
 

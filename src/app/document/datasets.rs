@@ -104,7 +104,6 @@ pub struct Trajectories {
     pub view: View,
     /// Camera of the truth, by its place.
     pub selected: Option<usize>,
-    /// Point of the estimate, by its place.
     pub point: Option<usize>,
 }
 

@@ -32,7 +32,6 @@ with_defaults! {
 /// Percentiles of a picture that are black and white.
 const PERCENTILES: [f32; 2] = [0.1, 99.9];
 
-/// The classes that have a range of their own.
 const CLASSES: [RangeClass; 6] = {
     use RangeClass::*;
     [Frame, Intensity, Response, Difference, Noise, Share]

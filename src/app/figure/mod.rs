@@ -19,8 +19,8 @@ use crate::export::{
     ColourBar, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
     LegendEntry, MatchKind, motion_over,
 };
-use crate::inspect::words::counted;
-use crate::requests::{FigurePicture, FigureRequest, PictureAnswer, slope_legend, titled};
+use crate::inspect::words::{counted, slope_text};
+use crate::requests::{FigurePicture, FigureRequest, PictureAnswer, titled};
 use egui::{Align, ColorImage, Context, DragValue, Grid, Image, Layout, TextureOptions, Ui, Vec2, vec2};
 use image::imageops::{FilterType, resize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -197,16 +197,29 @@ fn marks(model: Read<'_>, layer: &FeatureLayer, drawn: &[usize]) -> Vec<FigureMa
     drawn.iter().map(mark).filter(has_numbers).collect()
 }
 
-/// Meanings of the colours of the `drawn` features: their slopes (at most 12), or the wheel of directions; the words
-/// and numbers that they have; or five steps through the range.
+const FEW: usize = 6;
+const MOST: usize = 12;
+
+/// Meanings of the colours of the `drawn` features: their slopes ([`MOST`]), or where there are more than [`FEW`] the
+/// wheel of directions, whose rim is a length in px/frame; the words that they have; or five steps through the range.
 fn legend(scale: &ColourScale, layer: &FeatureLayer, drawn: &[usize]) -> Vec<LegendEntry> {
     let features = || drawn.iter().map(|&i| (i, &layer.detection.features[i]));
     let grid = &layer.detection.slopes;
-    let wheel = scale.has_wheel().then_some(scale.max);
     match scale.by {
         ColourBy::SlopeDirection => {
-            let moving = features().map(|(_, feature)| feature);
-            return slope_legend(grid, moving, (12, wheel), |slope| rgb(scale.of_slope(slope)));
+            let used: BTreeSet<usize> = features().map(|(_, f)| grid.nearest(f.motion().0)).collect();
+            if let Some(rim) = scale.has_wheel().then_some(scale.max).filter(|_| used.len() > FEW) {
+                return vec![LegendEntry::wheel(format!(
+                    "slope up to {} px/frame",
+                    crate::inspect::words::number(rim, 2)
+                ))];
+            }
+            let every = used.len().div_ceil(MOST).max(1);
+            let entry = |index: usize| {
+                let slope = grid.slope(index);
+                LegendEntry::square(rgb(scale.of_slope(slope)), format!("{} px/frame", slope_text(slope)))
+            };
+            return used.into_iter().step_by(every).map(entry).collect();
         }
         ColourBy::Of(Quantity::AtSlopeLimit | Quantity::Layer | Quantity::Moves) => {
             let of = |(i, f): (usize, &Feature)| {

@@ -258,7 +258,6 @@ impl OverTime {
         Self { first, step: (last - first) / (rows - 1) as f32, rows, reach: 0.505 * gaps[gaps.len() / 2] }
     }
 
-    /// Frame, by its place in `times`, that is nearest to a time.
     fn nearest(times: &[f32], time: f32) -> Option<usize> {
         (0..times.len()).min_by(|a, b| (times[*a] - time).abs().total_cmp(&(times[*b] - time).abs()))
     }

@@ -143,7 +143,6 @@ fn table_ui(ui: &mut Ui, model: Read<'_>, side: Side, shown: &Shown, queue: &mut
     clicked
 }
 
-/// Text of a row in one of the columns of numbers.
 fn text(row: &Row, column: usize) -> String {
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
     match column {
@@ -155,7 +154,6 @@ fn text(row: &Row, column: usize) -> String {
     }
 }
 
-/// Where a comparison is drawn, and which of its rows.
 pub struct RowsInPane<'a> {
     pub id: PaneId,
     pub side: Side,

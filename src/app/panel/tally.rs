@@ -106,13 +106,11 @@ fn decoys_ui(ui: &mut Ui, model: Read<'_>, ask: &str, told: Option<(String, Opti
     }
 }
 
-/// Headings of the counts.
 const HEADS: [(&str, &str); 2] = [
     ("samples", "Samples of D that fail this test first"),
     ("candidates", "Samples that were extrema in place and scale at their own slope: possible features"),
 ];
 const NAME_WIDTH: f32 = 250.0;
-/// Width of each count, points.
 const COUNT_WIDTH: f32 = 96.0;
 
 fn count_ui(ui: &mut Ui, text: RichText) -> egui::Response {

@@ -71,7 +71,6 @@ pub fn drop_hint_ui(ctx: &egui::Context, panes: &[(Rect, &str)]) {
     }
 }
 
-/// Width of the card, in points.
 const CARD_WIDTH: f32 = 336.0;
 /// Minimum size of a picture with the card over it, in points.
 const CARD_ROOM: egui::Vec2 = vec2(400.0, 260.0);

@@ -219,7 +219,6 @@ pub fn strip_of_colours(painter: &Painter, rect: Rect, count: usize, colour: imp
     painter.add(Shape::mesh(mesh));
 }
 
-/// Draws a small and weak text by `painter`.
 pub fn small_text(ui: &Ui, painter: &Painter, pos_ui: egui::Pos2, align: egui::Align2, text: &str) {
     painter.text(pos_ui, align, text, egui::TextStyle::Small.resolve(ui.style()), ui.visuals().weak_text_color());
 }

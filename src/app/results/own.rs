@@ -63,7 +63,6 @@ pub(super) fn origin(source: &BurstSource) -> BurstSource {
 }
 
 impl<'a> Read<'a> {
-    /// Options with which the burst of a side was opened.
     pub fn calibration_of(self, side: Side) -> &'a OpenOptions {
         self.document.calibration_of_b.as_ref().filter(|_| side == Side::B).unwrap_or(&self.document.calibration)
     }

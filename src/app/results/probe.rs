@@ -9,7 +9,6 @@ use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{ParamChange, Slope};
 use crate::engine::Wanted;
 use crate::inspect::place::{AT_PLACE_PX, Fate, ProbeSubject, time_factor};
-use crate::inspect::words::capitalised;
 use crate::requests::{DetectionSource, ProbeQuestion, ProbeRequest, Probed, Traced, ViewKind};
 
 #[derive(Debug, Default)]
@@ -140,19 +139,14 @@ impl<'a> Read<'a> {
         self.results.probed.answer.as_ref().is_some_and(|answer| answer.request.traced.cache.asked != asked())
     }
 
-    /// A sentence without a full stop: the price, or the time of the search; `None` for what cannot be made.
-    pub fn price_text(self, side: Side, change: &ParamChange) -> Option<String> {
-        let answer =
-            self.results.probed.answer.as_ref().filter(|_| self.document.probe.side == side && !self.probe_is_stale());
-        if let Some((_, price)) = answer.and_then(|answer| answer.prices.iter().find(|(of, _)| of == change)) {
-            return Some(capitalised(&price.sentence()));
-        }
+    /// Time of a search with `change`, a sentence without a full stop; `None` for what cannot be made.
+    pub fn search_time_text(self, side: Side, change: &ParamChange) -> Option<String> {
         let (found, burst) = (self.found_of(side)?, self.burst_of(side)?);
         let changed = change.applied(&found.params).ok()?;
         let secs = found.search_secs * time_factor(&found.searched, &changed, burst.burst.size());
         Some(match secs {
-            ..1.0 => "Takes a new search, less than a second".to_owned(),
-            _ => format!("Takes a new search, about {secs:.0} s"),
+            ..1.0 => "A new search takes less than a second".to_owned(),
+            _ => format!("A new search takes about {secs:.0} s"),
         })
     }
 }

@@ -181,7 +181,6 @@ impl<'a> Read<'a> {
         engine.keep_trails_of(&open.collect::<Vec<_>>());
     }
 
-    /// `press` asks for a detection.
     pub fn without_features(self, side: Side, press: &'static str) -> &'static str {
         if self.results.slots[side].detecting.is_pending() { "Detecting…" } else { press }
     }

@@ -93,7 +93,6 @@ impl TrajectoryResults {
         Which::ESTIMATES.into_iter().filter_map(|which| Some((which, self.report(which)?)))
     }
 
-    /// The camera that an estimate has for a true one.
     pub fn pair(&self, which: Which, camera: usize) -> Option<&PairReport> {
         let index = *self.compared.pairs.get(camera)?.get(which as usize)?;
         self.report(which)?.pairs.get(index?)
@@ -105,7 +104,6 @@ impl TrajectoryResults {
         reports.filter_map(|(which, report)| Some((which, report.as_ref()?.as_ref().err()?)))
     }
 
-    /// The estimate as a sparse model, which has points.
     pub fn model(&self) -> Option<&SparseModel> {
         self.read(Which::Estimate)?.model.as_ref()
     }

@@ -10,8 +10,25 @@ use std::path::{Path, PathBuf};
 
 const REFERENCE: &str = "docs/REFERENCE.md";
 
+/// Row of the table in the page of reference: option, label, values and unit, default, help.
+fn row<P: Default>(of: &Param<P>) -> String {
+    let mut params = P::default();
+    let values = match (of.field)(&mut params).words() {
+        Some(words) => words.iter().map(|(word, _)| format!("`{word}`")).collect::<Vec<_>>().join(", "),
+        None => format!("{} {}", of.placeholder, of.bounds.map_or_else(String::new, |b| b.to_string())),
+    };
+    let cells = [
+        format!("`--{}`", of.name),
+        of.label.to_owned(),
+        format!("{} {}", values.trim(), of.unit).trim().to_owned(),
+        of.default_text(),
+        format!("{} {}", of.meaning, of.effect),
+    ];
+    format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
+}
+
 fn table<P: Default>(records: &[Param<P>]) -> String {
-    let rows: String = records.iter().map(Param::reference_row).collect();
+    let rows: String = records.iter().map(row).collect();
     format!("| option | in the window | values | default | meaning |\n| --- | --- | --- | --- | --- |\n{rows}")
 }
 

@@ -1,11 +1,10 @@
 //! Tests of films by what is drawn in their pictures.
 
-use super::{answer, detected, open, params};
+use super::{detected, open, params};
 use crate::support::*;
 use burstscope::detector::Detection;
 use burstscope::export::{Drawing, FigureShape};
-use burstscope::inspect::{slopes::is_at_slope, words::slope_text};
-use burstscope::requests::{Detected, Film, Sweep};
+use burstscope::requests::{Film, Sweep};
 use std::sync::Arc;
 
 #[test]
@@ -65,53 +64,4 @@ fn texts_of(film: &Film) -> Vec<String> {
         _ => None,
     };
     of_pictures(film, |drawing| drawing.shapes.iter().filter_map(text).collect::<Vec<_>>()).concat()
-}
-
-/// Texts that end in the unit of slopes and are no titles.
-fn legend_of(film: &Film) -> BTreeSet<String> {
-    let is_legend = |text: &String| text.ends_with(" px/frame") && !text.contains("slope ");
-    texts_of(film).into_iter().filter(is_legend).collect()
-}
-
-#[test]
-fn the_legend_of_a_film_names_the_slopes_that_it_draws_and_no_others() {
-    let search = |slopes: SlopeGrid| {
-        let params = DetectorParams { slopes, ..params() };
-        let found = answer(DetectRequest { burst: open(), params: params.clone().into() }).expect("valid parameters");
-        (params, found)
-    };
-    let (line, on_line) = search(SlopeGrid::line(-3.0..=3.0, 7));
-    let (plane, in_plane) = search(SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3));
-    // The slope of the strongest feature has some that are drawn.
-    let strongest = |found: &Detected| {
-        let Detection { slopes, features, .. } = &*found.detection;
-        slopes.slope(slopes.nearest(features[0].motion().0))
-    };
-    let up_to = |u: f32| Sweep::SlopeU(u - 1.0, u, 2);
-    let (at, at_in_plane) = (strongest(&on_line), strongest(&in_plane));
-    for (params, found, sweep, slope) in [
-        (line.clone(), &on_line, up_to(at.u), Slope::default()),
-        (line.clone(), &on_line, Sweep::Frames, at),
-        (line, &on_line, Sweep::SlopeU(-3.0, 3.0, 7), Slope::default()),
-        (plane, &in_plane, up_to(at_in_plane.u), at_in_plane),
-    ] {
-        let burst = open();
-        let detection = Some(found.detection.clone());
-        let film = Film { burst, params, sweep, slope, detection, max_side_px: 640 };
-        let (grid, features) = (found.detection.slopes, &found.detection.features);
-        let name = |motion: Slope| format!("{} px/frame", slope_text(grid.slope(grid.nearest(motion))));
-        let steps = film.steps();
-        let is_drawn = |motion: &Slope| {
-            let by = features.iter().find(|feature| feature.motion().0 == *motion).expect("of a feature");
-            steps.iter().any(|step| is_at_slope(&grid, by, step.slope))
-        };
-        let motions = || features.iter().map(|feature| feature.motion().0);
-        let expected: BTreeSet<String> = motions().filter(is_drawn).map(name).collect();
-        assert!(!expected.is_empty(), "{sweep:?}");
-        assert_eq!(legend_of(&film), expected, "{sweep:?} at {slope:?}, of {} features", features.len());
-    }
-    // Some slopes have features that only the longest of these films draws.
-    let grid = on_line.detection.slopes;
-    let slopes: BTreeSet<usize> = on_line.detection.features.iter().map(|f| grid.nearest(f.motion().0)).collect();
-    assert!(slopes.len() > 2, "{slopes:?}");
 }

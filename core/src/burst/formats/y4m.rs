@@ -18,7 +18,6 @@ const FRAME: &[u8] = b"FRAME";
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Film {
     pub size: (usize, usize),
-    /// Bytes of the luma and of all planes.
     luma_bytes: u64,
     frame_bytes: u64,
     bits: u32,

@@ -114,7 +114,6 @@ fn order(found: &mut Vec<(usize, MotionLayer)>) {
 }
 
 struct Hills {
-    /// Slope of the first bin.
     first: Slope,
     step: f32,
     width: usize,

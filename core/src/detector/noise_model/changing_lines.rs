@@ -172,7 +172,6 @@ struct Shared {
     common: f32,
     /// Standard error of `common` where nothing is shared.
     error: f32,
-    /// Variance between the bands.
     between: f32,
     /// Product with the next line and with the one after it.
     next: [f32; 2],

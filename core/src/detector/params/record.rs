@@ -368,23 +368,6 @@ impl<P: Default> Param<P> {
     pub fn long_help(&self) -> String {
         format!("{} [default: {}]", self.help(), self.default_text())
     }
-
-    /// Row of the table in the page of reference (Markdown): option, label, values and unit, default, help.
-    pub fn reference_row(&self) -> String {
-        let mut params = P::default();
-        let values = match (self.field)(&mut params).words() {
-            Some(words) => words.iter().map(|(word, _)| format!("`{word}`")).collect::<Vec<_>>().join(", "),
-            None => format!("{} {}", self.placeholder, self.bounds.map_or_else(String::new, |b| b.to_string())),
-        };
-        let cells = [
-            format!("`--{}`", self.name),
-            self.label.to_owned(),
-            format!("{} {}", values.trim(), self.unit).trim().to_owned(),
-            self.default_text(),
-            format!("{} {}", self.meaning, self.effect),
-        ];
-        format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "))
-    }
 }
 
 impl<P> Clone for Param<P> {

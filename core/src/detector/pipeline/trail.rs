@@ -3,7 +3,7 @@
 
 use crate::burst::Positions;
 use crate::detector::along::Along;
-use crate::detector::coherence::{Evenness, floor_pixel};
+use crate::detector::coherence::Evenness;
 use crate::detector::distinct::{Blob, Deciding, Rule};
 use crate::detector::feature::{Detection, Feature, Keypoint, Test};
 use crate::detector::memory::on_threads;
@@ -277,15 +277,7 @@ impl Trail {
     /// σ_D at `octave` and `level` (0 … S−1) for any slope, at the image's place (u, v): the noise of the mean over the
     /// `chosen` frames (indices among those that took part) that see it.
     pub fn sigma_d_at(&self, scale: Scale, (place, slope): ((f32, f32), Slope), chosen: &[usize]) -> f32 {
-        let Scale { octave, level } = scale;
-        let (all, size) = (self.inputs.offsets(slope), self.inputs.size_image);
-        let chosen = chosen.iter().map(|&index| (&*self.inputs.frames[index], all[index]));
-        let (frames, offsets): (Vec<&Plane>, Vec<_>) = chosen.unzip();
-        let at = floor_pixel(place, size);
-        let min = self.inputs.sigma_d(octave, level, slope, &offsets);
-        // The place factor samples all frames that took part.
-        let seeing = self.inputs.seeing(&frames, octave, &offsets, at);
-        min * ((offsets.len() as f32 / seeing).sqrt() * self.inputs.noise.place_factor(octave, &all, at, size))
+        self.along().sigma_d_at(scale, (place, slope), chosen)
     }
 
     /// Indices, among the kept frames, of those that cover the place (u, v), input pixels, at `slope` without a mask.

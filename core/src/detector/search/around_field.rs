@@ -133,7 +133,6 @@ fn of_block(field: &MotionField, grid: &SlopeGrid, block: (usize, usize)) -> Opt
     Some(near)
 }
 
-/// Indices of the cells in `columns` and `rows` of a field of `width` columns.
 fn indices(columns: Range<usize>, rows: Range<usize>, width: usize) -> impl Iterator<Item = usize> + Clone {
     rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
 }

@@ -103,7 +103,6 @@ fn width_px(panel: &FigurePanel) -> f32 {
     panel.size.0 as f32 * panel.image_px_per_px
 }
 
-/// Widths of the columns of all rows of `count` panels.
 fn columns_of(widths: &[Vec<f32>], count: usize) -> Vec<f32> {
     let alike = || widths.iter().filter(|row| row.len() == count);
     (0..count).map(|column| alike().map(|row| row[column]).fold(0.0, f32::max)).collect()

@@ -3,9 +3,10 @@
 //! slope, candidates or not.
 
 use super::order::{AT_PLACE_PX, LARGE_PX, Nearness, is_like_scale, is_same_motion};
+use super::pixels::{Around, around};
 use super::{fate::Fate, remedy::time_factor, response::covering};
 use crate::burst::Burst;
-use crate::detector::coherence::{Shape, evenness_of};
+use crate::detector::coherence::Shape;
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::test::LOWEST_GATE;
 use crate::detector::{DetectorParams, Feature, Neighbourhood, NoiseGate, ParamChange, Sample, Scale, Slope, Trail};
@@ -320,13 +321,20 @@ pub(super) fn at_another_slope(trail: &Trail, nearness: &Nearness, fates: &[Fate
 const MOST_OTHERS: usize = 2;
 
 /// The reason why the setting that would keep `fate` is not proposed, if only some of the frames respond along its
-/// motion: it would be judged a ghost.
+/// motion, or the picture around it changes: it would not be judged real.
 pub(super) fn ghost(trail: &Trail, fate: &Fate, monitor: &Monitor) -> Result<Option<Cause>, Cancelled> {
-    let scale = Scale { octave: fate.octave, level: fate.level };
-    let frames = trail.along().each_frame(scale, fate.pos_image, fate.would_move, monitor)?;
-    let is_ghost = !fate.is_kept() && evenness_of(&frames).shape == Shape::Bump;
-    let sentence = "no setting is proposed: only some of the frames respond along its motion, as for a ghost";
-    Ok(is_ghost.then(|| Cause::new(CauseKind::Ghost, fate.would_move, sentence.to_owned())))
+    if fate.is_kept() {
+        return Ok(None);
+    }
+    let &Fate { pos_image: [u, v], would_move: slope, octave, level, sigma, .. } = fate;
+    let feature = Feature { u, v, slope, sigma, octave, level, ..Feature::default() };
+    let why = match trail.evenness_of(&[feature], &monitor.silent())?[0].shape {
+        Shape::Bump => Some("only some of the frames respond along its motion, as for a ghost".to_owned()),
+        _ => around(trail, &feature, monitor)?
+            .filter(|(motion, ..)| !matches!(motion, Around::MovesAlsoBy(_)))
+            .map(|(.., evidence)| evidence),
+    };
+    Ok(why.map(|why| Cause::new(CauseKind::Ghost, slope, format!("no setting is proposed: {why}"))))
 }
 
 /// Index of the grid's slope nearest to `slope`, and the strongest of the `peaks` there, or of those around it.

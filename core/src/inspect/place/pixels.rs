@@ -1,9 +1,14 @@
-//! Pixels around a place, before any search: whether they repeat along a direction, and with which period; the SNR of a
-//! flat spot on a flat background.
+//! Pixels around a place: whether they repeat along a direction, and with which period; the SNR of a flat spot on a
+//! flat background; and whether the picture around a feature moves by the feature's slope (see [`PatchCoherence`]).
 //!
 //! Slopes that differ by the period p in px/frame show a texture alike: from frame to frame it moves by one more whole
-//! period, which cannot be seen. Between them lie the side lobes of the mean over N frames.
+//! period, which cannot be seen.
 
+use super::shares::directions;
+use crate::detector::coherence::PatchCoherence;
+use crate::detector::{Feature, Slope, SlopeGrid, Trail};
+use crate::inspect::words::slope_text;
+use crate::monitor::{Cancelled, Monitor};
 use crate::plane::{Plane, sample::bilinear};
 use serde::Serialize;
 
@@ -75,15 +80,6 @@ fn profile(plane: &Plane, centre: [f32; 2], [du, dv]: [f32; 2], beside: f32, hal
     Some(line)
 }
 
-/// The mean of `frames` frames of a wave of period `period_px` px, when each is `slope_error` px/frame off: the
-/// Dirichlet kernel |sin(N·ω·δ/2) / (N·sin(ω·δ/2))|, ω = 2π/p.
-pub fn dirichlet(frames: usize, period_px: f64, slope_error: f64) -> f64 {
-    let n = frames as f64;
-    let half = std::f64::consts::PI * slope_error / period_px;
-    let below = half.sin();
-    if below.abs() < 1e-9 { 1.0 } else { ((n * half).sin() / (n * below)).abs() }
-}
-
 /// Measurement of a spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpotSnr {
@@ -132,4 +128,113 @@ pub fn spot_snr(picture: &Plane, place: [f32; 2], inner: f32, ground: [f32; 2]) 
     let free = (spot.len() + around.len() - 2) as f64;
     let noise = ((squares(&spot, means[0]) + squares(&around, means[1])) / free).sqrt();
     Some(SpotSnr { signal: (means[0] - means[1]) as f32, noise: noise as f32 })
+}
+
+/// Coherence below which the picture changes, and standard deviations of noise by which it must.
+const CHANGES_BELOW: f32 = 0.9;
+const CHANGES_SIGMAS: f32 = 2.0;
+/// Shift over half of the burst, in σ, by which another slope differs clearly.
+const APART_SIGMAS: f32 = 1.5;
+/// Least coherence at such a slope where the picture moves as well, and the most by which the feature's own is larger.
+const AS_WELL: f32 = 0.85;
+const LESS: f32 = 0.08;
+/// Least share of the strength of D at such a slope.
+const KEEPS: f32 = 0.5;
+/// Shift over half of the burst, in σ, between the slopes at which the picture's own is sought, and their number.
+const STEP_SIGMAS: f32 = 0.5;
+const STEPS: usize = 64;
+
+/// Motion of the picture around a feature: a changing one, another slope, or another slope beside the feature's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Around {
+    Changes,
+    MovesBy(Slope),
+    MovesAlsoBy(Slope),
+}
+
+/// How the picture around a feature moves, with its coherence and a clause; `None` where by the feature's slope alone,
+/// and where too little is seen.
+pub(super) fn around(
+    trail: &Trail,
+    feature: &Feature,
+    monitor: &Monitor,
+) -> Result<Option<(Around, f32, String)>, Cancelled> {
+    monitor.check()?;
+    let Feature { u, v, slope, sigma, .. } = *feature;
+    // Masked pixels may stand still, or change.
+    let is_seen = trail.seen_share((u, v), slope, 2.0 * sigma).is_none_or(|share| share >= 1.0);
+    let grid = trail.params().used_slopes();
+    let shift = |sigmas: f32| 2.0 * sigmas * sigma / trail.frames().2.span().max(1.0) as f32;
+    let looked = Looked { trail, feature, grid, apart: shift(APART_SIGMAS), step: shift(STEP_SIGMAS) };
+    let Some(own) = Some(slope).filter(|_| is_seen).and_then(|slope| looked.at(slope)) else { return Ok(None) };
+    if own.coherence < CHANGES_BELOW && own.excess_sigmas > CHANGES_SIGMAS {
+        let changes = format!("the picture around it changes along its motion (coherence {:.2}", own.coherence);
+        let Some((other, found)) = looked.own_slope(slope, own) else {
+            return Ok(Some((Around::Changes, own.coherence, changes + ")")));
+        };
+        let evidence = format!("{changes}), and moves by slope {} ({:.2})", slope_text(other), found.coherence);
+        return Ok(Some((Around::MovesBy(other), own.coherence, evidence)));
+    }
+    let as_well = |(other, found): (Slope, PatchCoherence)| {
+        let (at, [there, here]) = (slope_text(other), [found.coherence, own.coherence]);
+        let evidence = format!(
+            "the picture around it moves by slope {at} as well (coherence {there:.2}, at its own {here:.2}), as along an edge"
+        );
+        (Around::MovesAlsoBy(other), there, evidence)
+    };
+    Ok(looked.as_well(slope, own).map(as_well))
+}
+
+struct Looked<'a> {
+    trail: &'a Trail,
+    feature: &'a Feature,
+    grid: SlopeGrid,
+    /// Difference of a slope that is clearly another, and of the next one that is tried, px/frame.
+    apart: f32,
+    step: f32,
+}
+
+impl Looked<'_> {
+    fn at(&self, slope: Slope) -> Option<PatchCoherence> {
+        let Feature { u, v, .. } = *self.feature;
+        self.trail.along().patch_coherence(self.feature.scale(), (u, v), slope)
+    }
+
+    /// The most coherent of the slopes `distance` px/frame from `slope`, to both sides along each of `axes`.
+    fn best(
+        &self,
+        slope: Slope,
+        distance: f32,
+        axes: impl Iterator<Item = [f32; 2]>,
+        is_eligible: impl Fn(&PatchCoherence) -> bool,
+    ) -> Option<(Slope, PatchCoherence)> {
+        let both =
+            axes.flat_map(|[u, v]| [distance, -distance].map(|by| Slope::new(slope.u + by * u, slope.v + by * v)));
+        let found = both.filter_map(|slope| self.at(slope).map(|found| (slope, found)));
+        found.filter(|(_, found)| is_eligible(found)).max_by(|a, b| a.1.coherence.total_cmp(&b.1.coherence))
+    }
+
+    /// A clearly other slope than `slope` by which the picture moves as well.
+    fn as_well(&self, slope: Slope, own: PatchCoherence) -> Option<(Slope, PatchCoherence)> {
+        let axis = if self.grid.is_plane() { Some(own.flattest) } else { directions(&self.grid).next() };
+        self.best(slope, self.apart, axis.into_iter(), |found| {
+            found.strength > KEEPS * own.strength && found.coherence > AS_WELL.max(own.coherence - LESS)
+        })
+    }
+
+    /// Slope by which alone the picture moves, climbed to from `slope`, at which it does not.
+    fn own_slope(&self, slope: Slope, own: PatchCoherence) -> Option<(Slope, PatchCoherence)> {
+        let mut best = (slope, own);
+        for _ in 0..STEPS {
+            let is_better = |found: &PatchCoherence| found.coherence > best.1.coherence;
+            let Some(next) = self.best(best.0, self.step, directions(&self.grid), is_better) else { break };
+            best = next;
+        }
+        let moves_by = |(slope, found): &(Slope, PatchCoherence)| {
+            found.coherence >= CHANGES_BELOW
+                && found.strength > KEEPS * own.strength
+                && self.as_well(*slope, *found).is_none()
+        };
+        Some(best).filter(moves_by)
+    }
 }

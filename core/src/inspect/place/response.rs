@@ -239,26 +239,3 @@ pub(super) fn covering(trail: &Trail, place: [f32; 2], slope: Slope) -> Vec<usiz
     let showing = trail.showing((place[0], place[1]), slope);
     if showing.is_empty() { (0..trail.offsets(slope).len()).collect() } else { showing }
 }
-
-/// The largest response at `scale` up to a step beyond the grid's rim over that at a slope on it; `None` for another.
-pub(super) fn beyond_the_rim(trail: &Trail, place: [f32; 2], scale: Scale, slope_index: usize) -> Option<f32> {
-    let grid = trail.params().used_slopes();
-    let (i, j) = grid.coordinates(slope_index);
-    if !grid.on_rim(i, j) {
-        return None;
-    }
-    let steps = |at: usize, count: usize| -> Vec<f32> {
-        let ends = [(at == 0, [-0.5, -1.0]), (at + 1 == count, [0.5, 1.0])];
-        let outwards = ends.into_iter().filter(|(is_end, _)| *is_end && count > 1).flat_map(|(_, steps)| steps);
-        std::iter::once(0.0).chain(outwards).collect()
-    };
-    let (i, j) = (i as f32, j as f32);
-    let of_scale = (scale.octave, scale.level..scale.level + 1);
-    let at = |di: f32, dj: f32| snr_at(trail, of_scale.clone(), place, grid.at(i + di, j + dj))[0];
-    let here = at(0.0, 0.0);
-    let sign = here.signum();
-    let (along_u, along_v) = (steps(i as usize, grid.u.count), steps(j as usize, grid.v.count));
-    let beyond = along_u.iter().flat_map(|&di| along_v.iter().map(move |&dj| (di, dj)));
-    let max = beyond.filter(|step| *step != (0.0, 0.0)).map(|(di, dj)| sign * at(di, dj)).fold(0.0, f32::max);
-    (here != 0.0).then(|| max / here.abs())
-}

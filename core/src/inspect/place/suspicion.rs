@@ -2,15 +2,15 @@
 //! likely nature of each feature, from its suspicions and the evenness of the frames' responses.
 
 use super::fate::{Fate, apart_sigmas};
-use super::pixels::{Period, dirichlet, period_along};
-use super::response::{beyond_the_rim, covering, snr_at};
+use super::pixels::{Around, Period, around, period_along};
+use super::response::{covering, snr_at};
 use super::{remedy::widened_towards, shares::directions};
 use crate::detector::coherence::{BUMP_COHERENCE, Evenness, Shape};
 use crate::detector::noise::false_keypoints;
 use crate::detector::{Detection, Distinct, Feature, ParamChange, Slope, Trail};
 use crate::inspect::words::{number, rounded_up, slope_text};
 use crate::monitor::{Cancelled, Monitor, Stage};
-use crate::plane::{Plane, tile::Region};
+use crate::plane::tile::Region;
 use crate::{detector::params::doc, export::FeatureVerdict};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,36 @@ pub enum SuspicionKind {
     AtLimit,
     /// The texture is periodic, and another slope, whole periods away, responds nearly as strongly, or more.
     Alias,
+    /// The picture around the feature changes along the feature's motion.
+    Changing,
+    /// The picture around the feature moves by another slope as well, as along an edge.
+    Edge,
+}
+
+impl SuspicionKind {
+    fn verdict(self) -> Option<Verdict> {
+        match self {
+            Self::Duplicate => Some(Verdict::Duplicate),
+            Self::Ghost => Some(Verdict::Ghost),
+            Self::Alias => Some(Verdict::Alias),
+            Self::Changing | Self::Edge => Some(Verdict::Unclear),
+            Self::AtLimit => None,
+        }
+    }
+
+    /// Name of the fault and its meaning, without a capital at the start or a full stop at the end.
+    pub fn words(self) -> [&'static str; 2] {
+        match self {
+            Self::Duplicate => ["duplicate", "another feature lies on the same blob"],
+            Self::Ghost => ["ghost", "a blob with another motion shows in this slope's motion stack"],
+            Self::AtLimit => {
+                ["at the limit", "its slope is at the end of the searched range, and its response rises beyond"]
+            }
+            Self::Alias => ["alias", "the texture repeats, and another slope shows it as well"],
+            Self::Changing => ["another motion", "the picture around it does not move by its slope"],
+            Self::Edge => ["edge", "the picture around it moves by another slope as well"],
+        }
+    }
 }
 
 /// Suspicion about a feature.
@@ -58,8 +88,6 @@ const NEAR_SIGMAS: f32 = 2.0;
 const NEAR_SCALES: f32 = 2.0;
 /// Distance, in σ, within which the paths of a ghost and of its source cross.
 const CROSSES_SIGMAS: f32 = 2.0;
-/// Factor from which a response a step beyond the rim counts as rising.
-const RISES: f32 = 1.02;
 /// Tolerance of a whole number of periods between slopes, as a part of a period.
 const PERIOD_PART: f32 = 0.2;
 /// Minimum response of another slope, as a part of the feature's, for an alias.
@@ -96,7 +124,19 @@ pub fn suspicions_of_feature(
 ) -> Result<Vec<Suspicion>, Cancelled> {
     let feature = trail.detection().features[index];
     let found = [duplicate(trail, index, &feature), ghost(trail, index, &feature, evenness)];
-    Ok(found.into_iter().flatten().chain(alias(trail, &feature, monitor)?).collect())
+    let mut found: Vec<Suspicion> = found.into_iter().flatten().chain(alias(trail, &feature, monitor)?).collect();
+    // The picture takes longer to compare, and changes no other verdict.
+    if found.is_empty() {
+        found.extend(around(trail, &feature, monitor)?.map(|(motion, coherence, evidence)| {
+            let (kind, other_slope) = match motion {
+                Around::Changes => (SuspicionKind::Changing, None),
+                Around::MovesBy(slope) => (SuspicionKind::Ghost, Some(slope)),
+                Around::MovesAlsoBy(slope) => (SuspicionKind::Edge, Some(slope)),
+            };
+            Suspicion { other_slope, ..Suspicion::new(kind, coherence, evidence) }
+        }));
+    }
+    Ok(found)
 }
 
 fn wider_distinct(trail: &Trail, index: usize, other: usize) -> Option<ParamChange> {
@@ -197,48 +237,37 @@ fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> 
     if !feature.at_slope_limit {
         return None;
     }
-    let rim = trail.params().used_slopes().nearest(feature.slope);
-    let rise = beyond_the_rim(trail, [feature.u, feature.v], feature.scale(), rim)?;
+    let rise = trail.along().rises(feature).into_iter().map(|rise| rise.ratio).reduce(f32::max)?;
     let change = widened_towards(&trail.params().used_slopes(), fate)?;
     let evidence = format!(
         "it lies at the limit of the slopes, and beyond it the response is {} times as strong: widen them to {}",
         number(rise, 2),
         change.value
     );
-    (rise > RISES).then(|| Suspicion { change: Some(change), ..Suspicion::new(SuspicionKind::AtLimit, rise, evidence) })
+    Some(Suspicion { change: Some(change), ..Suspicion::new(SuspicionKind::AtLimit, rise, evidence) })
 }
 
 fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<Suspicion>, Cancelled> {
     let Some((period, direction)) = period_at(trail, feature, monitor)? else { return Ok(None) };
+    monitor.check()?;
     let grid = trail.params().used_slopes();
     let scale = (feature.octave, feature.level..feature.level + 1);
     let snr = |slope: Slope| snr_at(trail, scale.clone(), [feature.u, feature.v], slope)[0];
-    let here = snr(feature.slope);
     let along = |s: Slope| s.u * direction[0] + s.v * direction[1];
-    let mut best: Option<(Slope, f32)> = None;
-    for slope in grid.slopes() {
-        monitor.check()?;
-        let periods = (along(slope) - along(feature.slope)) / period.px;
-        let off = (periods - periods.round()).abs();
-        if periods.round() == 0.0 || off > PERIOD_PART {
-            continue;
-        }
-        // The alias itself lies between the grid's slopes.
-        let by = (periods.round() - periods) * period.px;
-        let slope = Slope::new(slope.u + by * direction[0], slope.v + by * direction[1]);
-        let ratio = snr(slope) / here;
-        if best.is_none_or(|(_, max)| ratio > max) {
-            best = Some((slope, ratio));
-        }
-    }
+    let reach = grid.slopes().map(|slope| (along(slope) - along(feature.slope)).abs()).fold(0.0, f32::max);
+    let most = (reach / period.px + PERIOD_PART) as i32;
+    let away = |periods: i32| {
+        let by = periods as f32 * period.px;
+        Slope::new(feature.slope.u + by * direction[0], feature.slope.v + by * direction[1])
+    };
+    let is_searched =
+        |slope: &Slope| (along(*slope) - along(grid.slope(grid.nearest(*slope)))).abs() <= PERIOD_PART * period.px;
+    let aliases = (-most..=most).filter(|periods| *periods != 0).map(away).filter(is_searched);
+    let best = aliases.map(|slope| (slope, snr(slope) / snr(feature.slope))).max_by(|a, b| a.1.total_cmp(&b.1));
     let Some((slope, ratio)) = best.filter(|(_, ratio)| *ratio > ALIAS_RESPONSE) else { return Ok(None) };
-    let (_, kept, _) = trail.frames();
-    let lobe = dirichlet(kept.len(), 1.0, 1.5 / kept.len() as f64);
-    let px = number(period.px, 1);
-    let (correlation, lobe) = (period.correlation, 100.0 * lobe);
-    let (at, times) = (slope_text(slope), number(ratio, 2));
+    let (px, correlation, at, times) = (number(period.px, 1), period.correlation, slope_text(slope), number(ratio, 2));
     let evidence = format!(
-        "the texture repeats every {px} px (correlation {correlation:.2}), so slopes {px} px/frame apart look alike: slope {at} responds {times} times as strongly, and the side lobes between reach {lobe:.0} %"
+        "the texture repeats every {px} px (correlation {correlation:.2}), so slopes {px} px/frame apart look alike: slope {at} responds {times} times as strongly"
     );
     Ok(Some(Suspicion { other_slope: Some(slope), ..Suspicion::new(SuspicionKind::Alias, ratio, evidence) }))
 }
@@ -254,23 +283,12 @@ fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Opti
         return Ok(None);
     }
     let half_px = ((TEXTURE_SIGMAS * feature.sigma) as usize).clamp(TEXTURE_LEAST_PX, TEXTURE_MOST_PX);
-    let (stack, centre) = stack_around(trail, [feature.u, feature.v], feature.slope, half_px + 8, monitor)?;
+    monitor.check()?;
+    let region = Region::around([feature.u, feature.v], half_px + 8, trail.size_image());
+    let stack = trail.stack_part(&region, feature.slope, &covering(trail, [feature.u, feature.v], feature.slope));
+    let centre = [feature.u - region.columns.start as f32, feature.v - region.rows.start as f32];
     let found = directions.into_iter().filter_map(|d| Some((period_along(&stack, centre, d, half_px)?, d)));
     Ok(found.max_by(|a, b| a.0.correlation.total_cmp(&b.0.correlation)))
-}
-
-/// The motion stack at `slope` around a place, less its value in the middle, and the place's position in it.
-fn stack_around(
-    trail: &Trail,
-    [u, v]: [f32; 2],
-    slope: Slope,
-    half_px: usize,
-    monitor: &Monitor,
-) -> Result<(Plane, [f32; 2]), Cancelled> {
-    let region = Region::around([u, v], half_px, trail.size_image());
-    monitor.check()?;
-    let place = [u - region.columns.start as f32, v - region.rows.start as f32];
-    Ok((trail.stack_part(&region, slope, &covering(trail, [u, v], slope)), place))
 }
 
 /// Likely nature of a feature.
@@ -278,7 +296,7 @@ fn stack_around(
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum Verdict {
-    /// Every frame shows it, and no stronger feature explains it.
+    /// Every frame shows it, no stronger feature explains it, and the picture around it moves by its slope.
     Real,
     /// A blob of another motion, which shows in this slope's stack.
     Ghost,
@@ -311,15 +329,15 @@ impl Verdict {
     }
 
     /// A ghost comes first: a ghost beside its source is no duplicate of it.
-    pub fn of(evenness: &Evenness, suspected: &[SuspicionKind]) -> Self {
-        let is_suspected = |kind: SuspicionKind| suspected.contains(&kind);
-        match evenness.shape {
-            _ if is_suspected(SuspicionKind::Ghost) => Self::Ghost,
-            _ if is_suspected(SuspicionKind::Duplicate) => Self::Duplicate,
-            _ if is_suspected(SuspicionKind::Alias) => Self::Alias,
-            Shape::Level | Shape::Uneven if evenness.coherence.is_some_and(|c| c >= BUMP_COHERENCE) => Self::Real,
+    fn of(evenness: &Evenness, suspicions: &[Suspicion]) -> Self {
+        let is_suspected = |verdict: &Self| suspicions.iter().any(|one| one.kind.verdict() == Some(*verdict));
+        let suspected = [Self::Ghost, Self::Duplicate, Self::Alias, Self::Unclear].into_iter().find(is_suspected);
+        let is_coherent = evenness.coherence.is_some_and(|c| c >= BUMP_COHERENCE);
+        let unsuspected = match evenness.shape {
+            Shape::Level | Shape::Uneven if is_coherent => Self::Real,
             _ => Self::Unclear,
-        }
+        };
+        suspected.unwrap_or(unsuspected)
     }
 }
 
@@ -337,29 +355,21 @@ pub struct Judged {
 impl Judged {
     /// The verdict that follows from `evenness` and `suspicions` of a feature of this `snr`.
     pub(super) fn of(evenness: &Evenness, suspicions: &[Suspicion], snr: f32, strengths: &Strengths) -> Self {
-        let kinds: Vec<SuspicionKind> = suspicions.iter().map(|suspicion| suspicion.kind).collect();
-        let (verdict, coherence) = (Verdict::of(evenness, &kinds), evenness.coherence);
+        let (verdict, coherence) = (Verdict::of(evenness, suspicions), evenness.coherence);
         // A sum of noise that exceeds the gate is shared by the frames as evenly as a faint blob.
         if let Some([found, by_noise]) = strengths.by_noise(snr).filter(|_| verdict == Verdict::Real) {
             let as_strong = format!("some {:.0} keypoints about as strong (SNR {snr:.1})", by_noise.ceil());
             let why = format!("noise alone gives {as_strong}, and {found:.0} were found");
             return Self { verdict: Verdict::Unclear, coherence, why };
         }
-        let because = |kind: SuspicionKind| {
-            let suspicion = suspicions.iter().find(|suspicion| suspicion.kind == kind);
-            suspicion.map_or_else(String::new, |suspicion| suspicion.evidence.clone())
-        };
+        let suspicion = suspicions.iter().find(|suspicion| suspicion.kind.verdict() == Some(verdict));
         let why = match (verdict, coherence) {
-            (Verdict::Ghost, _) => because(SuspicionKind::Ghost),
-            (Verdict::Alias, _) => because(SuspicionKind::Alias),
-            (Verdict::Duplicate, _) => because(SuspicionKind::Duplicate),
+            _ if let Some(suspicion) = suspicion => suspicion.evidence.clone(),
             (_, None) => "single frames are too noisy to compare".to_owned(),
             (Verdict::Real, Some(c)) => {
-                format!("the frames respond alike (coherence {c:.2}), and no stronger feature explains it")
+                format!("the frames respond alike (coherence {c:.2}), and the picture around it moves as it does")
             }
-            (Verdict::Unclear, Some(c)) => {
-                format!("the frames respond differently (coherence {c:.2}), but not as to a ghost")
-            }
+            (_, Some(c)) => format!("the frames respond differently (coherence {c:.2}), but not as to a ghost"),
         };
         Self { verdict, coherence, why }
     }
@@ -405,16 +415,8 @@ impl<'a> Strengths<'a> {
     }
 }
 
-/// Detection of the features of `trail` on which the verdict is one of `kept`, with their verdicts as files have them.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
-pub fn kept(trail: &Trail, kept: &[Verdict], monitor: &Monitor) -> Result<(Detection, Vec<FeatureVerdict>), Cancelled> {
-    Ok(kept_of(trail.detection(), &judged(trail, monitor)?, kept))
-}
-
-/// As [`kept`], of features that were judged already.
-pub fn kept_of(detection: &Detection, judged: &[Judged], kept: &[Verdict]) -> (Detection, Vec<FeatureVerdict>) {
+/// Detection of the features on which the verdict is one of `kept`, with their verdicts as files have them.
+pub fn kept(detection: &Detection, judged: &[Judged], kept: &[Verdict]) -> (Detection, Vec<FeatureVerdict>) {
     let is_kept = |index: &usize| kept.contains(&judged[*index].verdict);
     let indices: Vec<usize> = (0..judged.len()).filter(is_kept).collect();
     let features = indices.iter().map(|index| detection.features[*index]).collect();
@@ -429,19 +431,24 @@ pub fn kept_of(detection: &Detection, judged: &[Judged], kept: &[Verdict]) -> (D
 /// Judges every feature of the detection of `trail`, in their order.
 pub fn judged(trail: &Trail, monitor: &Monitor) -> Result<Vec<Judged>, Cancelled> {
     let (features, strengths) = (&trail.detection().features, Strengths::of(trail));
-    let evenness = trail.evenness_of(features, &monitor.part(0.0, EVENNESS_SHARE))?;
+    let indices: Vec<usize> = (0..features.len()).collect();
+    let keypoint = |index: &usize| trail.keypoint_of_feature(*index);
+    // The features of a keypoint, one after the other, differ in their orientation alone.
+    let keypoints: Vec<&[usize]> = indices.chunk_by(|a, b| keypoint(a) == keypoint(b)).collect();
+    let firsts: Vec<Feature> = keypoints.iter().map(|same| features[same[0]]).collect();
+    let evenness = trail.evenness_of(&firsts, &monitor.part(0.0, EVENNESS_SHARE))?;
     let rest = monitor.part(EVENNESS_SHARE, 1.0 - EVENNESS_SHARE);
     let done = AtomicUsize::new(0);
-    let judge = |(index, of): (usize, &Evenness)| {
-        let (suspicions, snr) = (suspicions_of_feature(trail, index, of, &rest)?, features[index].snr);
+    let judge = |(same, of): (&&[usize], &Evenness)| {
+        let (suspicions, snr) = (suspicions_of_feature(trail, same[0], of, &rest)?, features[same[0]].snr);
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        rest.report(Stage::Frames, done as f32 / evenness.len() as f32);
-        Ok(Judged::of(of, &suspicions, snr, &strengths))
+        rest.report(Stage::Frames, done as f32 / firsts.len() as f32);
+        Ok(vec![Judged::of(of, &suspicions, snr, &strengths); same.len()])
     };
-    evenness.par_iter().enumerate().map(judge).collect()
+    Ok(keypoints.par_iter().zip(&evenness).map(judge).collect::<Result<Vec<_>, Cancelled>>()?.concat())
 }
 
-const EVENNESS_SHARE: f32 = 0.5;
+const EVENNESS_SHARE: f32 = 0.3;
 
 #[cfg(test)]
 mod tests {

@@ -9,7 +9,7 @@ pub use figure::{probe_figure, spectrum_figure};
 pub use flight::{BurstHealth, FlightRow, flight_page, flight_table, joined_text, worst_bursts};
 pub use page::{BurstPage, Page};
 
-use super::place::{Cause, Fate, Outcome, Probe, Rival, Shares, SuspicionKind, TestReport};
+use super::place::{Cause, Fate, Outcome, Probe, Rival, Shares, TestReport};
 use super::result::{DecoyReport, FalseRate};
 use super::slopes::{SlopeBar, Spectrum};
 use super::words::{counted, number, sentence, slope_text, snr_text, value_text};
@@ -67,12 +67,7 @@ fn doubts(probe: &Probe) -> Vec<(String, String)> {
     let mut told: Vec<(String, String)> =
         judged.iter().map(|judged| (format!("{}: {}", judged.verdict.clause(), judged.why), String::new())).collect();
     for suspicion in &probe.suspicions {
-        let what = match suspicion.kind {
-            SuspicionKind::Duplicate => "duplicate",
-            SuspicionKind::Ghost => "ghost",
-            SuspicionKind::AtLimit => "at the limit of the slopes",
-            SuspicionKind::Alias => "alias",
-        };
+        let [what, _] = suspicion.kind.words();
         let option = suspicion.change.as_ref().map_or_else(String::new, ParamChange::option);
         match told.first_mut().filter(|_| judged.is_some_and(|judged| judged.why == suspicion.evidence)) {
             Some((_, of_verdict)) => *of_verdict = option,

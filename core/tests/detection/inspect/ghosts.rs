@@ -48,8 +48,10 @@ fn blobs_of_two_crossing_motions_are_real_and_what_lies_between_their_slopes_is_
     let (burst, truth) = crossing();
     let cache = cache(&burst, &params());
     let (features, judged) = (&cache.detection().features, judge(&cache));
-    let is_said_alike =
-        |(f, judged): (&Feature, &Judged)| (f.moves == Moves::Ghost) == (judged.verdict == Verdict::Ghost);
+    // The search looks at the frames alone, and not at the picture around.
+    let is_by_frames =
+        |judged: &Judged| judged.verdict == Verdict::Ghost && !judged.why.contains("the picture around it");
+    let is_said_alike = |(f, judged): (&Feature, &Judged)| (f.moves == Moves::Ghost) == is_by_frames(judged);
     assert!(features.iter().zip(&judged).all(is_said_alike), "the search names the same ones");
     let (mut of_true, mut of_others) = (Vec::new(), Vec::new());
     for (feature, judged) in features.iter().zip(&judged) {

@@ -7,3 +7,4 @@ mod limit;
 mod places;
 pub mod probing;
 mod slopes;
+mod verdicts;

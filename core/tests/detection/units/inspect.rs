@@ -348,53 +348,6 @@ fn the_burst_that_the_outlook_asks_for_is_made_and_the_thing_is_found() {
     assert!(10 * by_frames >= 7 * asked && 10 * by_exposure >= 7 * asked, "{by_frames}, {by_exposure} of {asked}");
 }
 
-#[test]
-fn prices_are_what_the_search_finds_with_the_change_and_what_they_say() {
-    let chart = ChartParams { width: 240, height: 180, discs: 20, frames: 7, snr: 0.5, ..ChartParams::default() };
-    let (burst, _) = synth_chart(&chart, &quiet()).expect("a chart");
-    let slopes = SlopeGrid::line(-3.0..=3.0, 9);
-    let gate = NoiseGate::Factor(6.0);
-    let params = DetectorParams { slopes, noise_gate: gate, max_features: 9, ..DetectorParams::default() };
-    let cache = |params: &DetectorParams| {
-        ProbeCache::new(&burst, &SearchParams::from(params.clone()), &quiet()).expect("valid")
-    };
-    let open = DetectorParams { max_features: 0, ..params.clone() };
-    for (before, change, is_at_once) in [
-        (&params, ParamChange::new(doc::NOISE_GATE, 4.2), false),
-        (&params, ParamChange::new(doc::NOISE_GATE, 7), true),
-        (&params, ParamChange::new(doc::MAX_FEATURES, 12), true),
-        (&params, ParamChange::new(doc::MAX_FEATURES, 0), true),
-        (&open, ParamChange::new(doc::DISTINCT, 3), true),
-        (&open, ParamChange::new(doc::LEVELS, 3), false),
-    ] {
-        let (of, after) = (cache(before), cache(&change.applied(before).expect("valid")));
-        let sample_of = |cache: &ProbeCache, rank: usize| {
-            let k = cache.trail.keypoints()[cache.trail.keypoint_of_feature(rank)];
-            let [x, y] = k.sample.map(|at| at as usize);
-            Sample { octave: k.octave, level: k.level, slope_index: k.slope_index, x, y }
-        };
-        let sample = sample_of(&of, 0);
-        let found = price(&of, &burst, &change, Some(sample), &quiet()).expect("valid");
-        let at_once = price_at_once(&of.trail, &change, Some(sample), &quiet()).expect("not cancelled");
-        assert_eq!(at_once, is_at_once.then_some(found), "{change:?}");
-        let count = |cache: &ProbeCache| cache.detection().features.len();
-        assert_eq!((found.now, found.then), (count(&of), count(&after)), "{change:?}");
-        let own_then = (0..found.then).filter(|rank| sample_of(&after, *rank) == sample).count();
-        assert_eq!(found.own.map(|own| own.1), Some(own_then), "{change:?}");
-    }
-    for (now, then, own, words) in [
-        (10, 1_111, Some((0, 1)), "keeps this one, and 1 100 more"),
-        (10, 11, Some((0, 1)), "keeps this one, and as many others as now"),
-        (10, 7, Some((2, 0)), "removes this one, and 1 other"),
-        (10, 9, Some((0, 1)), "keeps this one, and 2 fewer others"),
-        (10, 12, Some((0, 0)), "does not keep this one, and 2 more"),
-        (3, 5, None, "2 more features"),
-        (3, 3, None, "the number of features stays"),
-    ] {
-        assert_eq!(Price { now, then, own }.sentence(), words);
-    }
-}
-
 proptest! {
     #[test]
     fn a_slope_reads_as_the_depth_that_it_comes_from(
@@ -486,10 +439,4 @@ fn a_grating_has_its_period_noise_has_none_and_the_kernel_is_one_at_whole_period
     for place in [[80.0, 60.0], [-90.0, 60.0]] {
         assert_eq!(period_along(&blob, place, [1.0, 0.0], 40), None);
     }
-    assert!((dirichlet(10, 8.0, 0.0) - 1.0).abs() < 1e-12 && (dirichlet(10, 8.0, 16.0) - 1.0).abs() < 1e-9);
-    // The first zero lies p/N from the peak.
-    assert!(dirichlet(10, 8.0, 0.8) < 1e-9);
-    // The first side lobe of a mean of ten is about 0.22 high.
-    let lobe = (81..160).map(|i| dirichlet(10, 8.0, f64::from(i) * 0.01)).fold(0.0, f64::max);
-    assert!((lobe - 0.22).abs() < 0.01, "{lobe}");
 }

@@ -115,7 +115,6 @@ fn rotation_about(axis: Vector3<f64>, sum: &Matrix3<f64>) -> UnitQuaternion<f64>
 struct Spread {
     mean: Vector3<f64>,
     variance: f64,
-    /// Largest magnitude of a coordinate.
     magnitude: f64,
 }
 

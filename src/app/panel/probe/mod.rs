@@ -11,8 +11,8 @@ use crate::app::parts::mark;
 use crate::app::results::{Read, verdict_words};
 use crate::app::{style, view::signed};
 use crate::detector::{ParamChange, Slope};
-use crate::inspect::place::{CauseKind, Judged, ProbeSubject, Suspicion, SuspicionKind, Verdict};
-use crate::inspect::words::{number, sentence, slope_text};
+use crate::inspect::place::{CauseKind, Judged, ProbeSubject, Suspicion, Verdict};
+use crate::inspect::words::{capitalised, number, sentence, slope_text};
 use crate::requests::{ProbeQuestion, Probed};
 use crate::teach::Part;
 use egui::{Frame, Label, Margin, RichText, ScrollArea, Stroke, TextEdit, Ui};
@@ -188,8 +188,8 @@ fn apply_ui(ui: &mut Ui, model: Read<'_>, change: &ParamChange, queue: &mut Queu
         queue.push_if(!model.document.auto_detect, ActionId::Detect);
     }
     ui.label(RichText::new(label).weak());
-    if let Some(price) = model.price_text(side, change) {
-        ui.add(Label::new(price).wrap());
+    if let Some(time) = model.search_time_text(side, change) {
+        ui.add(Label::new(time).wrap());
     }
 }
 
@@ -216,15 +216,9 @@ fn suspicions_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queu
 }
 
 fn suspicion_ui(ui: &mut Ui, model: Read<'_>, suspicion: &Suspicion, queue: &mut Queue) {
-    let (name, help) = match suspicion.kind {
-        SuspicionKind::Duplicate => ("A duplicate?", "Another feature lies on the same blob"),
-        SuspicionKind::Ghost => ("A ghost?", "A blob with another motion shows in this slope's motion stack"),
-        SuspicionKind::AtLimit => {
-            ("At the limit?", "Its slope is at the end of the searched range, and its response rises beyond")
-        }
-        SuspicionKind::Alias => ("An alias?", "The texture repeats, and another slope shows it as well"),
-    };
-    ui.label(RichText::new(name).strong().color(style::warning(ui))).on_hover_text(help);
+    let [name, help] = suspicion.kind.words();
+    let name = RichText::new(capitalised(name) + "?").strong().color(style::warning(ui));
+    ui.label(name).on_hover_text(capitalised(help));
     ui.add(Label::new(sentence(&suspicion.evidence)).wrap());
     if suspicion.change.is_none() && suspicion.other.is_none() {
         return;

@@ -22,7 +22,6 @@ pub struct LostFeatures {
     pub found: Option<Arc<FoundLosses>>,
     pub why: Option<Why>,
     pub wanted: Wanted<LossesRequest>,
-    /// Matches with the parameters of the remedy.
     pub priced: Option<Matched>,
     pub pricing: Wanted<MatchRequest>,
     /// For each feature of A the first one of its keypoint that has no match, if it is another one or has a match.

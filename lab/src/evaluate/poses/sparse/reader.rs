@@ -20,7 +20,6 @@ const LONGEST_NAME: usize = 4096;
 struct Entries {
     one: &'static str,
     all: &'static str,
-    /// The form of a line of text.
     line: &'static str,
     /// Least number of bytes of an entry in binary.
     bytes: u64,
@@ -42,7 +41,6 @@ const POINTS: Entries = Entries {
     bytes: 8 + 3 * 8 + 3 + 8 + 8,
 };
 
-/// A file of a model.
 pub(super) struct Reader<R> {
     stream: R,
     path: PathBuf,
