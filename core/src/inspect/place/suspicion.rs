@@ -296,7 +296,7 @@ fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Opti
 #[serde(rename_all = "kebab-case")]
 #[strum(serialize_all = "kebab-case")]
 pub enum Verdict {
-    /// Every frame shows it, no stronger feature explains it, and the picture around it moves by its slope.
+    /// Every frame shows it, no stronger feature explains it, and nothing around it speaks against its slope.
     Real,
     /// A blob of another motion, which shows in this slope's stack.
     Ghost,
@@ -367,7 +367,7 @@ impl Judged {
             _ if let Some(suspicion) = suspicion => suspicion.evidence.clone(),
             (_, None) => "single frames are too noisy to compare".to_owned(),
             (Verdict::Real, Some(c)) => {
-                format!("the frames respond alike (coherence {c:.2}), and the picture around it moves as it does")
+                format!("the frames respond alike (coherence {c:.2}), and nothing around it speaks against its slope")
             }
             (_, Some(c)) => format!("the frames respond differently (coherence {c:.2}), but not as to a ghost"),
         };

@@ -36,18 +36,24 @@ impl Things {
         (0..count).map(&mut one).collect()
     }
 
-    fn light(self, things: &Drawn, u: f64, v: f64) -> f64 {
-        let of = |[x, y, size, height]: &[f64; 4]| {
-            let (du, dv) = ((u - x).abs() / size, (v - y).abs() / size);
-            match self {
-                _ if du.max(dv) > 5.0 => 0.0,
-                Self::Squares => {
-                    height * [du, dv].map(|d| ((1.0 - d) * size + 0.5).clamp(0.0, 1.0)).iter().product::<f64>()
-                }
-                _ => height * (-0.5 * (du * du + dv * dv)).exp(),
+    /// Light of the things in each pixel, row by row, when they have moved by (`du`, `dv`).
+    fn light(self, things: &Drawn, (du, dv): (f64, f64)) -> Vec<f64> {
+        let mut light = vec![0.0; SIZE.0 * SIZE.1];
+        for &[x, y, size, height] in things {
+            let near = |at: f64, end: usize| {
+                let first = (at - 5.0 * size).clamp(0.0, end as f64) as usize;
+                first..((at + 5.0 * size).clamp(0.0, end as f64) as usize)
+            };
+            for (row, column) in near(y + dv, SIZE.1).flat_map(|v| near(x + du, SIZE.0).map(move |u| (v, u))) {
+                let away = [column as f64 - x - du, row as f64 - y - dv];
+                let share = match self {
+                    Self::Squares => away.map(|px| (size + 0.5 - px.abs()).clamp(0.0, 1.0)).iter().product::<f64>(),
+                    _ => (-0.5 * away.map(|px| (px / size).powi(2)).iter().sum::<f64>()).exp(),
+                };
+                light[row * SIZE.0 + column] += height * share;
             }
-        };
-        things.iter().map(of).sum()
+        }
+        light
     }
 }
 
@@ -65,15 +71,13 @@ fn scene(things: Things, count: usize, layers: usize, sigma: f64, in_plane: bool
     let drawn: Vec<Drawn> = slopes.iter().map(|_| things.drawn(count, &mut stream)).collect();
     let frame = |t: usize| {
         let (from_middle, mut noise) = (t as f64 - 0.5 * (FRAMES as f64 - 1.0), Stream::new(seed + 100, t as u64));
-        let at = |layer: usize, u: f64, v: f64| {
-            let Slope { u: slope_u, v: slope_v } = slopes[layer];
-            (u - f64::from(slope_u) * from_middle, v - f64::from(slope_v) * from_middle)
-        };
+        let moved = |slope: &Slope| (from_middle * f64::from(slope.u), from_middle * f64::from(slope.v));
+        let lights: Vec<Vec<f64>> =
+            drawn.iter().zip(&slopes).map(|(drawn, slope)| things.light(drawn, moved(slope))).collect();
         Plane::from_fn(SIZE.0, SIZE.1, |u, v| {
-            let layer = (0..layers).rev().find(|&layer| layer == 0 || IN_FRONT.contains(&at(layer, u as f64, 0.0).0));
-            let layer = layer.expect("the first is everywhere");
-            let (x, y) = at(layer, u as f64, v as f64);
-            let steps = 220.0 + 10.0 * layer as f64 + things.light(&drawn[layer], x, y) + sigma * noise.normal();
+            let is_there = |layer: &usize| *layer == 0 || IN_FRONT.contains(&(u as f64 - moved(&slopes[*layer]).0));
+            let layer = (0..layers).rev().find(is_there).expect("the first is everywhere");
+            let steps = 220.0 + 10.0 * layer as f64 + lights[layer][v * SIZE.0 + u] + sigma * noise.normal();
             (steps.round().clamp(0.0, 4095.0) / 4095.0) as f32
         })
     };
