@@ -270,12 +270,10 @@ choices! {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Hidden {
+    /// The inside of a closed outline.
     Outline(Vec<Pos2>),
     /// All pixels no farther from a path than its radius.
-    Stroke {
-        path: Vec<Pos2>,
-        radius_px: f32,
-    },
+    Stroke { path: Vec<Pos2>, radius_px: f32 },
 }
 
 impl Hidden {

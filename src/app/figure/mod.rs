@@ -19,7 +19,7 @@ use crate::export::{
     ColourBar, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
     LegendEntry, MatchKind, motion_over,
 };
-use crate::inspect::words::{counted, slope_text};
+use crate::inspect::words::{self, counted, slope_text};
 use crate::requests::{FigurePicture, FigureRequest, PictureAnswer, titled};
 use egui::{Align, ColorImage, Context, DragValue, Grid, Image, Layout, TextureOptions, Ui, Vec2, vec2};
 use image::imageops::{FilterType, resize};
@@ -209,10 +209,7 @@ fn legend(scale: &ColourScale, layer: &FeatureLayer, drawn: &[usize]) -> Vec<Leg
         ColourBy::SlopeDirection => {
             let used: BTreeSet<usize> = features().map(|(_, f)| grid.nearest(f.motion().0)).collect();
             if let Some(rim) = scale.has_wheel().then_some(scale.max).filter(|_| used.len() > FEW) {
-                return vec![LegendEntry::wheel(format!(
-                    "slope up to {} px/frame",
-                    crate::inspect::words::number(rim, 2)
-                ))];
+                return vec![LegendEntry::wheel(format!("slope up to {} px/frame", words::number(rim, 2)))];
             }
             let every = used.len().div_ceil(MOST).max(1);
             let entry = |index: usize| {

@@ -130,6 +130,7 @@ pub fn spot_snr(picture: &Plane, place: [f32; 2], inner: f32, ground: [f32; 2]) 
     Some(SpotSnr { signal: (means[0] - means[1]) as f32, noise: noise as f32 })
 }
 
+// The limits were set on scenes of known motion: docs/MEASUREMENTS.md, “What is said to be real”.
 /// Coherence below which the picture changes, and standard deviations of noise by which it must.
 const CHANGES_BELOW: f32 = 0.9;
 const CHANGES_SIGMAS: f32 = 2.0;

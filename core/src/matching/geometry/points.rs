@@ -128,6 +128,7 @@ pub(super) fn null_vector(matrix: &Matrix3<f64>) -> Option<Vector3<f64>> {
     min_eigenvector(&(matrix.transpose() * matrix))
 }
 
+/// [v]×, the matrix of the cross product with `v` from the left.
 pub(super) fn cross_matrix(v: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0)
 }
