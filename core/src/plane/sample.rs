@@ -4,7 +4,7 @@
 //! from −0.5 to width − 0.5. Between the outermost centres and that edge the value is the nearest pixel's.
 
 use super::Plane;
-use super::statistics::{Region, summary};
+use super::statistics::{Region, summary, upper_median};
 
 /// Value at (`u`, `v`), linear between the four pixels around; `None` outside the plane.
 pub fn bilinear(plane: &Plane, u: f32, v: f32) -> Option<f32> {
@@ -155,11 +155,6 @@ fn region_noise(plane: &Plane, region: &Region) -> Option<f64> {
             }
         }
     }
-    if answers.is_empty() {
-        return None;
-    }
-    let middle = answers.len() / 2;
-    let (_, median, _) = answers.select_nth_unstable_by(middle, f32::total_cmp);
     // The mask's weights have a sum of squares of 36.
-    Some(f64::from(*median) / (6.0 * MEDIAN_OF_NORMAL))
+    upper_median(answers).map(|median| f64::from(median) / (6.0 * MEDIAN_OF_NORMAL))
 }

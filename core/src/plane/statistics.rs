@@ -14,6 +14,12 @@ fn rows<'a>(plane: &'a Plane, region: &Region) -> impl IndexedParallelIterator<I
     rows.into_par_iter().with_min_len(16).map(move |v| &plane.row(v)[columns.clone()])
 }
 
+/// Median of `values`, of an even number of them the upper of the middle two; `None` where there are none.
+pub(crate) fn upper_median(mut values: Vec<f32>) -> Option<f32> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f32::total_cmp).1)
+}
+
 /// Count, range and mean of the finite values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {

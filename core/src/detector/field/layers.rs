@@ -9,8 +9,7 @@
 use super::depth::inverse_depths;
 use crate::detector::params::slope_grid::Slope;
 use crate::monitor::{Cancelled, Monitor};
-use crate::plane::Plane;
-use crate::plane::blur::smoothed;
+use crate::plane::{Plane, blur::smoothed, statistics::upper_median};
 use serde::Serialize;
 
 /// Smear between the first and the last frame that a step of the grid stands for, pixels.
@@ -92,9 +91,8 @@ pub(super) fn layers(
 /// Median of the inverse depths of a layer's cells; `None` where fewer than half of them have one.
 fn middle_depth(depths: impl Iterator<Item = Option<f32>>) -> Option<f32> {
     let all: Vec<Option<f32>> = depths.collect();
-    let mut known: Vec<f32> = all.iter().flatten().copied().collect();
-    known.sort_by(f32::total_cmp);
-    (2 * known.len() > all.len()).then(|| known[known.len() / 2])
+    let known: Vec<f32> = all.iter().flatten().copied().collect();
+    if 2 * known.len() > all.len() { upper_median(known) } else { None }
 }
 
 /// Orders layers and makes inverse depths relative to the first, with the sign that puts the fastest first.

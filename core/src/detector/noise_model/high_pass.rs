@@ -7,8 +7,7 @@
 use super::contrast::{Contrast, shifts};
 use crate::burst::Offset;
 use crate::detector::params::Slope;
-use crate::plane::Plane;
-use crate::plane::tile::Region;
+use crate::plane::{Plane, statistics::upper_median, tile::Region};
 use multiversion::multiversion;
 use rayon::prelude::*;
 
@@ -274,12 +273,8 @@ pub fn spread(sorted: &[f32]) -> f32 {
 }
 
 /// Median of `values` (the upper one of two); 0 where there are none.
-pub fn median(mut values: Vec<f32>) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+pub fn median(values: Vec<f32>) -> f32 {
+    upper_median(values).unwrap_or(0.0)
 }
 
 /// The places of a lattice around (x, y), and itself.

@@ -7,6 +7,7 @@ use crate::detector::{Method, SearchParams, find_slopes};
 use crate::export::{Cell, FLIGHT_COLUMNS, Table};
 use crate::inspect::slopes::{AdviceSubject, SlopeJudgement, judgement};
 use crate::inspect::words::{capitalised, counted, number, some_of};
+use crate::plane::statistics::upper_median as median;
 use crate::{burst::Burst, error::Result, matching::Refusal, monitor::Monitor};
 use serde::Serialize;
 use std::cmp::Reverse;
@@ -213,9 +214,4 @@ pub fn flight_page(rows: &[FlightRow], pairs: Option<&ColmapReport>) -> Page {
         tell_pairs(&mut page, rows, pairs);
     }
     page
-}
-
-fn median(mut values: Vec<f32>) -> Option<f32> {
-    values.sort_by(f32::total_cmp);
-    values.get(values.len() / 2).copied()
 }
