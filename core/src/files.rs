@@ -61,14 +61,19 @@ pub(crate) fn open_database(path: &Path) -> rusqlite::Result<rusqlite::Connectio
     Ok(connection)
 }
 
+/// The next `count` bytes of `from`, or as many as there are.
+pub(crate) fn next_bytes(from: impl Read, count: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    from.take(count).read_to_end(&mut bytes).map(|_| bytes)
+}
+
 /// Reads the regular file `path`, at most `max_bytes` bytes.
 ///
 /// # Errors
 /// As [`open`] (a folder, a device, a pipe), and [`io::ErrorKind::FileTooLarge`] for a file beyond the limit.
 pub fn read_bytes(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
     // A file may grow while it is read, so the limit applies to the bytes read.
-    open(path)?.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
+    let bytes = next_bytes(open(path)?, max_bytes.saturating_add(1))?;
     if bytes.len() as u64 > max_bytes {
         let problem = format!("this file is larger than {} MiB, too large for what it shall hold", max_bytes >> 20);
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, problem));

@@ -14,7 +14,7 @@ use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::{Mask, Plane, memory, tile::Region};
 use crate::synth::{FeatureTruth, Truth};
 use serde::{Deserialize, Serialize};
-use std::io::{self, BufReader, Cursor, Read, Write};
+use std::io::{self, BufReader, Cursor, Write};
 use std::{borrow::Cow, fs::File, path::Path, sync::Arc};
 use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
@@ -376,9 +376,8 @@ fn opened(path: &Path) -> Result<Zip> {
 
 fn entry(path: &Path, zip: &mut Zip, name: &str, limit: u64) -> Result<Vec<u8>> {
     let entry = zip.by_name(name).map_err(|error| invalid(path, format!("{name}: {error}")))?;
-    let mut bytes = Vec::new();
     // The declared size is no promise.
-    entry.take(limit + 1).read_to_end(&mut bytes).map_err(|error| invalid(path, format!("{name}: {error}")))?;
+    let bytes = files::next_bytes(entry, limit + 1).map_err(|error| invalid(path, format!("{name}: {error}")))?;
     if bytes.len() as u64 > limit {
         return Err(invalid(path, format!("{name} is larger than {limit} bytes")));
     }

@@ -6,7 +6,7 @@
 //! [file](OutputKind::file) of a folder. COLMAP's database has a number in its header alone, a matched pair its first
 //! line, and tables have none, see [`is_ours`](crate::export::is_ours).
 
-use super::{MAX_TABLE_BYTES, path_text, read_text};
+use super::{MAX_TABLE_BYTES, next_bytes, path_text, read_text};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
@@ -231,10 +231,8 @@ pub fn sealed(mut text: String, kind: OutputKind) -> String {
 }
 
 fn part_of(file: &mut File, offset: u64, length: u64) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
     file.seek(SeekFrom::Start(offset))?;
-    file.take(length).read_to_end(&mut bytes)?;
-    Ok(bytes)
+    next_bytes(file, length)
 }
 
 /// Whether the regular file at `path` has a mark of this program; with `is_whole`, only if what the mark claims has not

@@ -178,9 +178,7 @@ fn run_once<T>(
     read: impl FnOnce(&mut dyn BufRead) -> Result<T>,
 ) -> Result<T> {
     monitor.check()?;
-    let mut start = Vec::new();
-    let opened = files::open(path).and_then(|file| file.take(32).read_to_end(&mut start));
-    opened.map_err(|e| Error::from_io(path, &e))?;
+    let start = files::open(path).and_then(|file| files::next_bytes(file, 32)).map_err(|e| Error::from_io(path, &e))?;
     let container = container(&start).ok_or_else(|| Error::corrupt(path, KIND, "its first bytes have changed"))?;
     let mut command = Command::new(ffmpeg().ok_or_else(|| missing(path))?);
     let input = file_url(path);

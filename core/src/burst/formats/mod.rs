@@ -32,7 +32,7 @@ use crate::error::{Error, ErrorKind, Result, one_line};
 use crate::files::{self, shell_path};
 use crate::{monitor::Monitor, plane::memory};
 use rayon::prelude::*;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{Seek, SeekFrom};
 use std::{fs::File, path::Path};
 
 /// All formats, in the order in which they are asked for a file; a list of extensions has this order too.
@@ -239,8 +239,7 @@ fn found(path: &Path, options: &OpenOptions) -> Result<(&'static dyn Format, Inp
         return Err(Error::damaged(path, "this file is empty (0 bytes)"));
     }
     let mut file = files::open(path).map_err(read_error)?;
-    let mut bytes = Vec::with_capacity(32);
-    (&mut file).take(32).read_to_end(&mut bytes).map_err(read_error)?;
+    let bytes = files::next_bytes(&mut file, 32).map_err(read_error)?;
     let start = Start { path, bytes: &bytes, length, file: &file };
     // Options come first: a file without header may begin like any format.
     let asked = ALL.iter().find(|format| format.is_asked_for(&start, options));

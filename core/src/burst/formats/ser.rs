@@ -7,6 +7,7 @@ use super::{Input, Numbers, Rank, Record};
 use crate::burst::reading::plain::Plain;
 use crate::burst::{layout::Mosaic, number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, Result};
+use crate::files::next_bytes;
 use std::io::{Read, Seek, SeekFrom};
 use std::{fs::File, path::Path};
 
@@ -95,9 +96,8 @@ const MAX_LOOKED: u64 = 1 << 22;
 
 /// The frames with the full scale that their numbers have: some programs fill the upper bits of 16.
 fn aligned(plain: Plain, bits: u32, file: &mut File, number: fn([u8; 2]) -> u16) -> std::io::Result<Plain> {
-    let mut bytes = Vec::new();
     file.seek(SeekFrom::Start(plain.places.at(0)))?;
-    file.take(plain.frame_bytes().min(MAX_LOOKED)).read_to_end(&mut bytes)?;
+    let bytes = next_bytes(file, plain.frame_bytes().min(MAX_LOOKED))?;
     // The bits that any number sets show where in the word the values lie.
     let all = bytes.as_chunks::<2>().0.iter().fold(0, |all, two| all | number(*two));
     if !(9..16).contains(&bits) || u32::from(all) >> bits == 0 {

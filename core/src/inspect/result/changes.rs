@@ -13,7 +13,7 @@ use crate::export::{feature_header, read_colmap, read_features_csv};
 use crate::files;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
-use std::{io::Read, path::Path};
+use std::path::Path;
 
 /// A feature as used by the comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -228,8 +228,7 @@ pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>> {
 /// Whether a file is a feature table of ours, from its beginning; otherwise it is COLMAP's text.
 fn is_table(path: &Path) -> Result<bool> {
     let read = |e: std::io::Error| Error::unread_file(path, e);
-    let mut start = Vec::new();
-    files::open(path).map_err(read)?.take(256).read_to_end(&mut start).map_err(read)?;
+    let start = files::open(path).and_then(|file| files::next_bytes(file, 256)).map_err(read)?;
     let start = String::from_utf8_lossy(&start);
     let first = start.lines().next().unwrap_or_default();
     let header = feature_header();

@@ -21,9 +21,8 @@ use message::{PictureMessage, STAMP_BYTES, stamp_ns};
 use records::{Channel, Message, Wire, Work};
 use segment::{Segment, UNCHECKED, WHOLE};
 use std::collections::{BTreeMap, HashSet};
-use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
-use std::{fs::File, sync::Arc};
+use std::{io::Cursor, sync::Arc};
 
 pub(super) struct Bag;
 
@@ -144,11 +143,8 @@ const MAGICS: [(&[u8], Form); 3] =
 
 /// Whether `path` lists the files of a ROS 2 bag, which then are taken together.
 fn is_metadata(path: &Path) -> bool {
-    let mut start = Vec::new();
-    let read = |file: File| file.take(METADATA.1.len() as u64).read_to_end(&mut start);
-    path.file_name().is_some_and(|name| name == METADATA.0)
-        && files::open(path).and_then(read).is_ok()
-        && start == METADATA.1
+    let start = || files::next_bytes(files::open(path)?, METADATA.1.len() as u64);
+    path.file_name().is_some_and(|name| name == METADATA.0) && start().is_ok_and(|start| start == METADATA.1)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 //! numbers and texts, which reads and reserves no more than the file has; and the work that all may take.
 
 pub(super) use crate::burst::reading::corrupt;
-use crate::{error::one_line, monitor::Monitor};
+use crate::{error::one_line, files::next_bytes, monitor::Monitor};
 use std::collections::{BTreeMap, HashMap};
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -285,8 +285,6 @@ impl<'a, R: Read + Seek> Scan<'a, R> {
     }
 
     pub(super) fn rest(mut self, bytes: u64) -> io::Result<Vec<u8>> {
-        let mut found = Vec::new();
-        (&mut self.reader).take(bytes).read_to_end(&mut found)?;
-        Ok(found)
+        next_bytes(&mut self.reader, bytes)
     }
 }

@@ -3,7 +3,7 @@
 use super::records::{Channel, Message, Wire, Work};
 use crate::{error::one_line, files, plane::memory};
 use rusqlite::{Connection, limits::Limit};
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -41,10 +41,8 @@ pub(super) fn beside(path: &Path) -> io::Result<Option<String>> {
         name.push(ending);
         PathBuf::from(name)
     };
-    let start_of = |ending| {
-        let mut start = Vec::new();
-        files::open(&named(ending)).and_then(|file| file.take(33).read_to_end(&mut start)).map_or(Vec::new(), |_| start)
-    };
+    let start_of =
+        |ending| files::open(&named(ending)).and_then(|file| files::next_bytes(file, 33)).unwrap_or_default();
     // A journal whose write was finished is empty, or begins with zeros.
     if start_of("-journal").starts_with(b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7") {
         let reason = "a write into it was not finished, as the journal beside it ('-journal') says; stop the recorder, or \

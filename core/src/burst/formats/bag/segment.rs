@@ -40,8 +40,7 @@ impl Segment {
         let fail = |e: io::Error| Error::from_io(path, &e);
         let mut file = files::open(path).map_err(fail)?;
         let length = file.metadata().map_err(fail)?.len();
-        let mut start = Vec::new();
-        (&mut file).take(32).read_to_end(&mut start).map_err(fail)?;
+        let start = files::next_bytes(&mut file, 32).map_err(fail)?;
         let Some(form) = Form::of(&start) else { return Err(unknown(path, &start)) };
         work.add_file(length);
         // A picture of four samples of four bytes, and all else that is recorded with it.
