@@ -23,11 +23,11 @@ impl Drawing {
 /// Writes the document; fails where PNG cannot hold one of its pictures, and where `out` does.
 pub(super) fn write_svg(mut out: impl Write, drawing: &Drawing) -> io::Result<()> {
     let unit = if drawing.unit == FigureUnit::Point { "pt" } else { "" };
-    let [width, height] = drawing.size.map(Number);
+    let [width, height] = drawing.size.map(number);
     write!(out, r#"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" version="1.1""#)?;
     write!(out, r#" width="{width}{unit}" height="{height}{unit}" viewBox="0 0 {width} {height}""#)?;
     let fonts = "Helvetica, Arial, 'DejaVu Sans', sans-serif";
-    writeln!(out, r#" font-family="{fonts}" font-size="12" fill="{}">"#, Hex(INK))?;
+    writeln!(out, r#" font-family="{fonts}" font-size="12" fill="{}">"#, hex(INK))?;
     // Screen readers read it.
     writeln!(out, "<title>{}</title>", Escaped(&drawing.title))?;
     write_shapes(&mut out, &mut 0, &drawing.shapes)?;
@@ -48,22 +48,22 @@ fn write_shapes(out: &mut impl Write, clips: &mut usize, shapes: &[FigureShape])
         }
         FigureShape::Rect { rect, style } => writeln!(out, "<rect {rect} {style}/>"),
         FigureShape::Circle { centre: [x, y], radius, style } => {
-            writeln!(out, r#"<circle cx="{}" cy="{}" r="{}" {style}/>"#, Number(*x), Number(*y), Number(*radius))
+            writeln!(out, r#"<circle cx="{}" cy="{}" r="{}" {style}/>"#, number(*x), number(*y), number(*radius))
         }
         FigureShape::Line { points, style, class: CURVE } => {
-            writeln!(out, r#"<path d="{}" {style} stroke-linejoin="round"/>"#, PathData(points))
+            writeln!(out, r#"<path d="{}" {style} stroke-linejoin="round"/>"#, path_data(points))
         }
         FigureShape::Line { points, style, class } => match points[..] {
             [Some([x1, y1]), Some([x2, y2])] if class.is_empty() => {
-                let [x1, y1, x2, y2] = [x1, y1, x2, y2].map(Number);
+                let [x1, y1, x2, y2] = [x1, y1, x2, y2].map(number);
                 let style = style.to_string();
                 let style = style.trim_start_matches(r#"fill="none" "#);
                 writeln!(out, r#"<line x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" {style}/>"#)
             }
-            _ => writeln!(out, r#"<path class="{class}" d="{}" {style}/>"#, PathData(points)),
+            _ => writeln!(out, r#"<path class="{class}" d="{}" {style}/>"#, path_data(points)),
         },
         FigureShape::Text { at: [x, y], anchor, size, face, color, upwards, text } => {
-            let (x, y, size) = (Number(*x), Number(*y), Number(*size));
+            let (x, y, size) = (number(*x), number(*y), number(*size));
             match upwards {
                 true => write!(out, r#"<text transform="translate({x} {y}) rotate(-90)""#)?,
                 false => write!(out, r#"<text x="{x}" y="{y}""#)?,
@@ -79,7 +79,7 @@ fn write_shapes(out: &mut impl Write, clips: &mut usize, shapes: &[FigureShape])
                 Face::Mono => r#" font-family="monospace""#,
             };
             // The whole document has the colour of ink.
-            let colour = if *color == INK { String::new() } else { format!(r#" fill="{}""#, Hex(*color)) };
+            let colour = if *color == INK { String::new() } else { format!(r#" fill="{}""#, hex(*color)) };
             writeln!(out, r#" font-size="{size}" text-anchor="{anchor}"{face}{colour}>{}</text>"#, Escaped(text))
         }
         FigureShape::Clipped { rect, round, shapes } => {
@@ -91,7 +91,7 @@ fn write_shapes(out: &mut impl Write, clips: &mut usize, shapes: &[FigureShape])
             writeln!(out, "</g>")
         }
         FigureShape::Moved { by: [x, y], shapes } => {
-            writeln!(out, r#"<g transform="translate({} {})">"#, Number(*x), Number(*y))?;
+            writeln!(out, r#"<g transform="translate({} {})">"#, number(*x), number(*y))?;
             write_shapes(out, clips, shapes)?;
             writeln!(out, "</g>")
         }
@@ -100,7 +100,7 @@ fn write_shapes(out: &mut impl Write, clips: &mut usize, shapes: &[FigureShape])
 
 impl Display for FigureRect {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let ([x, y], [width, height]) = (self.min.map(Number), self.size.map(Number));
+        let ([x, y], [width, height]) = (self.min.map(number), self.size.map(number));
         write!(f, r#"x="{x}" y="{y}" width="{width}" height="{height}""#)
     }
 }
@@ -110,61 +110,49 @@ impl Display for Style {
         match self.fill {
             None => write!(f, r#"fill="none""#)?,
             Some((color, opacity)) if opacity < 1.0 => {
-                write!(f, r#"fill="{}" fill-opacity="{}""#, Hex(color), Number(opacity))?;
+                write!(f, r#"fill="{}" fill-opacity="{}""#, hex(color), number(opacity))?;
             }
-            Some((color, _)) => write!(f, r#"fill="{}""#, Hex(color))?,
+            Some((color, _)) => write!(f, r#"fill="{}""#, hex(color))?,
         }
         let Some(stroke) = self.stroke else { return Ok(()) };
-        write!(f, r#" stroke="{}""#, Hex(stroke.color))?;
+        write!(f, r#" stroke="{}""#, hex(stroke.color))?;
         if stroke.width != 1.0 {
-            write!(f, r#" stroke-width="{}""#, Number(stroke.width))?;
+            write!(f, r#" stroke-width="{}""#, number(stroke.width))?;
         }
         if stroke.dashes != SOLID {
-            let lengths: Vec<String> = stroke.gaps().map(|length| Number(length).to_string()).collect();
+            let lengths: Vec<String> = stroke.gaps().map(number).collect();
             write!(f, r#" stroke-dasharray="{}""#, lengths.join(" "))?;
         }
-        if stroke.opacity < 1.0 { write!(f, r#" stroke-opacity="{}""#, Number(stroke.opacity)) } else { Ok(()) }
+        if stroke.opacity < 1.0 { write!(f, r#" stroke-opacity="{}""#, number(stroke.opacity)) } else { Ok(()) }
     }
 }
 
-struct Hex(Colour);
-
-impl Display for Hex {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [r, g, b] = self.0;
-        write!(f, "#{r:02x}{g:02x}{b:02x}")
-    }
+fn hex([r, g, b]: Colour) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 /// Number in an SVG: a thousandth of a pixel is precise enough, and keeps files small.
-struct Number(f32);
-
-impl Display for Number {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = format!("{:.3}", f64::from(self.0));
-        let short = text.trim_end_matches('0').trim_end_matches('.');
-        f.write_str(if short == "-0" { "0" } else { short })
-    }
+fn number(number: f32) -> String {
+    let text = format!("{:.3}", f64::from(number));
+    let short = text.trim_end_matches('0').trim_end_matches('.');
+    if short == "-0" { "0" } else { short }.to_owned()
 }
 
 /// Points joined by lines, as the data of a path; a `None` is a break.
-struct PathData<'a>(&'a [Option<[f32; 2]>]);
-
-impl Display for PathData<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut command = 'M';
-        for point in self.0 {
-            command = match point {
-                Some([x, y]) => {
-                    write!(f, "{command}{} {}", Number(*x), Number(*y))?;
-                    'L'
-                }
-                None => 'M',
-            };
-        }
-        Ok(())
+fn path_data(points: &[Option<[f32; 2]>]) -> String {
+    let (mut data, mut command) = (String::new(), 'M');
+    for point in points {
+        command = match point {
+            Some([x, y]) => {
+                data += &format!("{command}{} {}", number(*x), number(*y));
+                'L'
+            }
+            None => 'M',
+        };
     }
+    data
 }
+
 /// Text escaped for XML and HTML. Characters that XML 1.0 does not allow are replaced by U+FFFD.
 pub struct Escaped<T>(pub T);
 
@@ -189,11 +177,11 @@ mod tests {
     #[test]
     fn numbers_are_short_and_text_is_escaped() {
         let cases = [(1.0, "1"), (-0.00001, "0"), (2.5, "2.5"), (100.0, "100"), (1.0 / 3.0, "0.333")];
-        for (number, text) in cases {
-            assert_eq!(Number(number).to_string(), text);
+        for (value, text) in cases {
+            assert_eq!(number(value), text);
         }
         let points = [Some([0.0, 1.0]), None, Some([2.0, 3.0]), Some([4.0, 5.25])];
-        assert_eq!(PathData(&points).to_string(), "M0 1M2 3L4 5.25");
+        assert_eq!(path_data(&points), "M0 1M2 3L4 5.25");
         assert_eq!(Escaped("a<b & \"c\"\u{1}").to_string(), "a&lt;b &amp; &quot;c&quot;\u{fffd}");
     }
 }
