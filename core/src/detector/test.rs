@@ -9,7 +9,6 @@
 use super::params::slope_grid::{SlopeAxis, SlopeGrid};
 use super::params::{DetectorParams, Distinct, Param, SearchParams, doc};
 use serde::{Deserialize, Serialize, Serializer};
-use std::collections::BTreeMap;
 use strum::{EnumCount, VariantArray};
 
 /// Test of a sample of D, in the order in which the search applies them.
@@ -328,34 +327,27 @@ impl Test {
 pub const NOT_SEARCHED: &str = "not searched here at this slope";
 
 /// Numbers of samples by the first test that rejected them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Tally {
     /// Number of samples of D that were examined: over all octaves the pixels (except each border's outermost, which
     /// lack neighbours) × the levels with one above and one below × the slopes searched there.
     pub samples: u64,
     /// Number of samples left out at their slope by [`SearchSlopes::Field`](crate::detector::SearchSlopes::Field).
+    #[serde(skip_serializing_if = "is_zero")]
     pub not_searched: u64,
-    /// Number of samples that each test rejected, in the order of [`Test::ALL`].
-    pub rejected: [u64; Test::ALL.len()],
     /// Number of keypoints that passed every test; a keypoint may have several features.
     pub kept: u64,
+    /// Number of samples that each test rejected, in the order of [`Test::ALL`].
+    #[serde(serialize_with = "by_test")]
+    pub rejected: [u64; Test::ALL.len()],
 }
 
-impl Serialize for Tally {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct Named {
-            samples: u64,
-            #[serde(skip_serializing_if = "Option::is_none")]
-            not_searched: Option<u64>,
-            kept: u64,
-            rejected: BTreeMap<Test, u64>,
-        }
-        let &Self { samples, not_searched, kept, rejected } = self;
-        let (not_searched, rejected) =
-            (Some(not_searched).filter(|count| *count > 0), Test::ALL.into_iter().zip(rejected));
-        Named { samples, not_searched, kept, rejected: rejected.collect() }.serialize(serializer)
-    }
+fn is_zero(count: &u64) -> bool {
+    *count == 0
+}
+
+fn by_test<S: Serializer>(rejected: &[u64; Test::ALL.len()], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(Test::ALL.into_iter().zip(rejected))
 }
 
 impl Tally {
