@@ -132,10 +132,8 @@ mod tests {
                 (0..n).map(|t| Plane::from_fn(37, 23, |u, v| ((u * 31 + v * 17 + t * 41) % 29) as f32 / 29.0)).collect();
             let frames: Vec<&Plane> = frames.iter().collect();
             let positions = Positions::even(n);
-            let of = |combine| {
-                let monitor = Monitor::default();
-                combined_stack(&frames, &positions, slope, Interpolation::Linear, combine, &monitor).expect("done")
-            };
+            let (linear, monitor) = (Interpolation::Linear, Monitor::default());
+            let of = |combine| combined_stack(&frames, &positions, slope, linear, combine, &monitor).expect("done");
             // The mean is computed elsewhere, frame by frame.
             let (mean, difference) = (of(Combine::Mean), of(Combine::MeanMinusMedian));
             let [median, max, min, clipped] = [Combine::Median, Combine::Max, Combine::Min, Combine::ClippedMean].map(of);

@@ -257,8 +257,7 @@ mod tests {
     const SIZE: (usize, usize) = (1600, 1200);
 
     fn plane(side: usize) -> DetectorParams {
-        let slopes = SlopeGrid::plane(-3.0..=3.0, side, -3.0..=3.0, side);
-        DetectorParams { slopes, ..DetectorParams::default() }
+        DetectorParams { slopes: SlopeGrid::plane(-3.0..=3.0, side, -3.0..=3.0, side), ..DetectorParams::default() }
     }
 
     fn wanted(params: &DetectorParams) -> SearchSize<'_> {
@@ -334,7 +333,6 @@ mod tests {
         let error = refused(&plane(49), 1000);
         assert!(error.contains("larger first octave") && error.contains("0 MB may be used"), "{error}");
         // Without coarser octaves nothing is held for a slope: the frames alone are too much.
-        let one_octave = DetectorParams { octaves: 1, ..plane(49) };
-        assert!(plan(&one_octave, Some(1000)).is_err());
+        assert!(plan(&DetectorParams { octaves: 1, ..plane(49) }, Some(1000)).is_err());
     }
 }

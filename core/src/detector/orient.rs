@@ -114,17 +114,24 @@ fn histogram(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::detector::scale_space::Base;
     use crate::kernel::patch::PatchScratch;
     use crate::plane::Plane;
 
-    fn found(f: impl Fn(f32, f32) -> f32) -> Vec<f32> {
-        let plane = Plane::from_fn(101, 101, |u, v| f(u as f32 - 50.0, v as f32 - 50.0));
+    pub const SIZE: (usize, usize) = (101, 101);
+
+    /// An image with the values of `f`, whose place (0, 0) is the image's middle.
+    pub fn level_of(f: impl Fn(f32, f32) -> f32) -> Patch {
+        let plane = Plane::from_fn(SIZE.0, SIZE.1, |u, v| f(u as f32 - 50.0, v as f32 - 50.0));
         let mut level = Patch::default();
-        Base::Level(&plane).patch((101, 101), 0..101, 0..101, &mut PatchScratch::default(), &mut level);
-        orientations(&level, (101, 101), (50.0, 50.0), 2.0, 4, &mut OrientationScratch::default())
+        Base::Level(&plane).patch(SIZE, 0..101, 0..101, &mut PatchScratch::default(), &mut level);
+        level
+    }
+
+    fn found(f: impl Fn(f32, f32) -> f32) -> Vec<f32> {
+        orientations(&level_of(f), SIZE, (50.0, 50.0), 2.0, 4, &mut OrientationScratch::default())
     }
 
     #[test]

@@ -208,8 +208,7 @@ mod tests {
             let mut pixels = JetPixels::default();
             pixels.read(&PixelView::of(&plane), (x.round() as i64, y.round() as i64), 24, mean);
             let variances = [variance, ratio * variance];
-            let jets = pixels.jets((x, y), variances);
-            for (jet, variance) in jets.into_iter().zip(variances) {
+            for (jet, variance) in pixels.jets((x, y), variances).into_iter().zip(variances) {
                 let at = |dx: f64, dy: f64| by_definition(&plane, mean, (x + dx, y + dy), variance);
                 prop_assert!((jet[0][0] - at(0.0, 0.0)).abs() < 1e-4, "{} {}", jet[0][0], at(0.0, 0.0));
                 let e = 1e-3;

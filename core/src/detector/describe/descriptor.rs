@@ -360,18 +360,7 @@ impl PairedCells {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::scale_space::Base;
-    use crate::kernel::patch::PatchScratch;
-    use crate::plane::Plane;
-
-    const SIZE: (usize, usize) = (101, 101);
-
-    fn level_of(f: impl Fn(f32, f32) -> f32) -> Patch {
-        let plane = Plane::from_fn(SIZE.0, SIZE.1, |u, v| f(u as f32 - 50.0, v as f32 - 50.0));
-        let mut level = Patch::default();
-        Base::Level(&plane).patch(SIZE, 0..101, 0..101, &mut PatchScratch::default(), &mut level);
-        level
-    }
+    use crate::detector::orient::tests::{SIZE, level_of};
 
     fn by_definition(level: &Patch, (x, y): (f32, f32), sigma: f32, orientation: f32) -> [f64; BINS] {
         let mut bins = [0.0; BINS];

@@ -399,7 +399,6 @@ mod tests {
         // Where pixels are so large that nothing moves, and where there is no choice, the slowest is taken.
         let region = Region { columns: 0..128, rows: 0..128 };
         assert_eq!(motion.for_octave(4).slope_in(&region), Slope::default());
-        let one = SceneMotion { slopes: &slopes[..1], ..motion };
-        assert_eq!(one.for_octave(0).slope_in(&region), slopes[0]);
+        assert_eq!(SceneMotion { slopes: &slopes[..1], ..motion }.for_octave(0).slope_in(&region), slopes[0]);
     }
 }

@@ -85,12 +85,9 @@ fn assert_same_answers(found: &Trail, whole: &Trail) {
 }
 
 fn grids() -> impl Strategy<Value = SlopeGrid> {
+    let line = |(count, direction): (usize, f32)| SlopeGrid::line_along(direction.round(), -1.5..=1.5, count);
     prop_oneof![
-        (2usize..10, -90f32..90.0).prop_map(|(count, direction)| SlopeGrid::line_along(
-            direction.round(),
-            -1.5..=1.5,
-            count
-        )),
+        (2usize..10, -90f32..90.0).prop_map(line),
         (2usize..5, 2usize..5).prop_map(|(u, v)| SlopeGrid::plane(-1.0..=1.0, u, -1.0..=0.5, v)),
         (2usize..7).prop_map(|v| SlopeGrid::plane(0.5..=0.5, 1, -1.0..=1.0, v)),
     ]
@@ -145,8 +142,7 @@ fn assert_cut_first_is_cut_afterwards(burst: &Burst, params: &DetectorParams, ma
     for index in 0..all.keypoints().len() {
         if cut.is_cut(index) {
             assert!(cut.rank_uncut(index) >= count);
-            let fails = all.covered_by(index).map(|_| Test::Duplicate);
-            assert_eq!(cut.fails_uncut(index), fails);
+            assert_eq!(cut.fails_uncut(index), all.covered_by(index).map(|_| Test::Duplicate));
         } else {
             assert_eq!(cut.covered_by(index), all.covered_by(index));
         }
@@ -154,8 +150,7 @@ fn assert_cut_first_is_cut_afterwards(burst: &Burst, params: &DetectorParams, ma
     // The tally counts each sample once, and those that reach the choice as the search for all does.
     let (before, after) = (expected.tally, found.tally);
     assert_eq!(after.samples, after.rejected.iter().sum::<u64>() + after.kept);
-    let of_choice = [Test::Duplicate, Test::MaxFeatures];
-    for test in Test::ALL.into_iter().filter(|test| !of_choice.contains(test)) {
+    for test in Test::ALL.into_iter().filter(|test| ![Test::Duplicate, Test::MaxFeatures].contains(test)) {
         assert_eq!(after.rejected_by(test), before.rejected_by(test));
     }
     assert!(after.kept as usize <= count && (count == 0 || after.kept > 0));

@@ -190,8 +190,7 @@ mod tests {
             let space = ScaleSpace::new(4, first_octave, 4.0);
             let stack = SlopeStack { frames: &frames, offsets: &offsets, space: &space, size_image: (701, 423) };
             let monitor = Monitor::default();
-            let last = first_octave + 3;
-            let planes = stack.first_levels(last, &monitor).expect("not cancelled");
+            let planes = stack.first_levels(first_octave + 3, &monitor).expect("not cancelled");
             assert_eq!(planes.len(), 3);
             for (octave, plane) in (first_octave + 1..).zip(&planes) {
                 let size = octave_size((701, 423), octave);

@@ -296,8 +296,7 @@ mod tests {
             let plane = texture(width, height);
             let mut levels = Vec::new();
             for kernel in chain() {
-                let before = levels.last().unwrap_or(&plane);
-                levels.push(gaussian_blur(before, &kernel));
+                levels.push(gaussian_blur(levels.last().unwrap_or(&plane), &kernel));
             }
             let whole = Region { columns: 0..width, rows: 0..height };
             let (differences, kept) = filtered(&plane, &FilterBank::new(chain(), 0..5), &whole, 3);
