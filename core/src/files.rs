@@ -202,9 +202,7 @@ pub fn path_text(path: &Path) -> String {
     let mut text = String::new();
     for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
         text += &one_line(chunk.valid());
-        for byte in chunk.invalid() {
-            text += &format!("\\x{byte:02X}");
-        }
+        chunk.invalid().iter().for_each(|byte| text += &format!("\\x{byte:02X}"));
     }
     text
 }

@@ -267,9 +267,7 @@ mod tests {
         assert!(pieces.iter().all(|(v, columns)| (1..height - 1).contains(v) && columns.end < width));
         // In each of 10 × 7 squares there are about as many pieces.
         let mut counts = [0usize; 70];
-        for (v, columns) in &pieces {
-            counts[v / 100 * 10 + columns.start / 100] += 1;
-        }
+        pieces.iter().for_each(|(v, columns)| counts[v / 100 * 10 + columns.start / 100] += 1);
         let mean = pieces.len() / 70;
         assert!(counts.iter().all(|&n| n > mean / 2 && n < mean * 2), "{counts:?}");
     }

@@ -366,8 +366,6 @@ impl Tally {
         self.samples += other.samples;
         self.not_searched += other.not_searched;
         self.kept += other.kept;
-        for (mine, theirs) in self.rejected.iter_mut().zip(other.rejected) {
-            *mine += theirs;
-        }
+        self.rejected.iter_mut().zip(other.rejected).for_each(|(mine, theirs)| *mine += theirs);
     }
 }

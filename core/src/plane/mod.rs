@@ -52,9 +52,7 @@ impl Plane {
     pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> f32) -> Self {
         let mut data = memory::with_capacity(width.saturating_mul(height));
         for v in 0..height {
-            for u in 0..width {
-                data.push(f(u, v));
-            }
+            data.extend((0..width).map(|u| f(u, v)));
         }
         Self { width, height, data: Pixels::Own(data), mask: None }
     }
@@ -124,9 +122,7 @@ impl Plane {
     /// Means of 2×2 pixels; an odd last column or row is left out.
     pub(crate) fn halved(&self) -> Self {
         let mut out = Self::zeros(self.width() / 2, self.height() / 2);
-        for v in 0..out.height() {
-            halve_pair(self.row(2 * v), self.row(2 * v + 1), out.row_mut(v));
-        }
+        (0..out.height()).for_each(|v| halve_pair(self.row(2 * v), self.row(2 * v + 1), out.row_mut(v)));
         out.with_mask(self.mask.as_ref().and_then(|mask| Mask::new(mask.weights().halved())))
     }
 }

@@ -152,9 +152,7 @@ mod tests {
         let parts = split_mut(&mut plane, &columns, &rows);
         assert_eq!(parts.len(), columns.len() * rows.len());
         for (index, part) in parts.into_iter().enumerate() {
-            for row in part {
-                row.fill(index as f32 + 1.0);
-            }
+            part.into_iter().for_each(|row| row.fill(index as f32 + 1.0));
         }
         for v in 0..13 {
             for u in 0..21 {

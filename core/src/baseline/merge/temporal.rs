@@ -168,9 +168,7 @@ fn stand_in(reference: &Block, others: &mut [(Block, Option<Covered>)]) {
                 sum += block[v][u];
                 count += 1.0;
             }
-            for (block, _) in others.iter_mut().filter(|(_, covered)| !shows(covered)) {
-                block[v][u] = sum / count;
-            }
+            others.iter_mut().filter(|(_, covered)| !shows(covered)).for_each(|(block, _)| block[v][u] = sum / count);
         }
     }
 }

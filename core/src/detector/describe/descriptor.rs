@@ -215,9 +215,7 @@ fn in_bytes(bins: &Sums) -> Descriptor {
 pub fn to_vlfeat_order(descriptor: &Descriptor) -> Descriptor {
     let mut out = [0; BINS];
     for (out, cell) in out.chunks_exact_mut(DIRECTIONS).zip(descriptor.chunks_exact(DIRECTIONS)) {
-        for (direction, out) in out.iter_mut().enumerate() {
-            *out = cell[(DIRECTIONS - direction) % DIRECTIONS];
-        }
+        out.iter_mut().enumerate().for_each(|(direction, out)| *out = cell[(DIRECTIONS - direction) % DIRECTIONS]);
     }
     out
 }

@@ -142,9 +142,7 @@ mod tests {
     #[test]
     fn what_moves_otherwise_has_none_and_does_not_move_the_focus() {
         let (places, depths, mut motions) = scene([0.3, 0.1, 1.0], 0.03, false);
-        for moving in motions.iter_mut().take(60) {
-            moving.0 = Slope::new(3.0, -3.0);
-        }
+        motions.iter_mut().take(60).for_each(|moving| moving.0 = Slope::new(3.0, -3.0));
         let found = inverse_depths(&places, &motions);
         let left = found[..60].iter().flatten().count();
         assert!(left < 6, "{left} movers have a depth");

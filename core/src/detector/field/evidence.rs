@@ -138,9 +138,7 @@ pub(super) fn swept(grid: &SlopeGrid, times: &FrameTimes, cell_px: usize) -> Slo
 fn band(frame: &Plane, cell_px: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let weight = 1.0 / (cell_px * cell_px) as f32;
     let mut cells = Plane::zeros(frame.width() / cell_px, frame.height() / cell_px);
-    for v in 0..cells.height() * cell_px {
-        add_parts(frame.row(v), cell_px, cells.row_mut(v / cell_px));
-    }
+    (0..cells.height() * cell_px).for_each(|v| add_parts(frame.row(v), cell_px, cells.row_mut(v / cell_px)));
     cells.data_mut().iter_mut().for_each(|sum| *sum *= weight);
     let [fine, coarse] = BAND_CELLS;
     let mut band = smoothed(&cells, fine, monitor)?;

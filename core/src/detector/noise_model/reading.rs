@@ -227,9 +227,7 @@ pub const REACH: usize = 16;
 
 pub(super) fn less_local_mean(values: &[f32]) -> Vec<f32> {
     let mut sums = vec![0.0f64];
-    for x in values {
-        sums.push(sums[sums.len() - 1] + f64::from(*x));
-    }
+    values.iter().for_each(|x| sums.push(sums[sums.len() - 1] + f64::from(*x)));
     (0..values.len())
         .map(|u| {
             let (start, end) = (u.saturating_sub(REACH), (u + REACH + 1).min(values.len()));

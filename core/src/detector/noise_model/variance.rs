@@ -133,9 +133,7 @@ fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
             let off = ((y / expected - 1.0) / FAR).abs().min(1.0);
             // In relative errors; that of a group of n squares is √(2/(free·n)).
             let weight = p.squares as f64 / (expected * expected) * (1.0 - off * off).powi(2);
-            for (sum, term) in sums.iter_mut().zip([1.0, x, x * x, y, x * y]) {
-                *sum += weight * term;
-            }
+            sums.iter_mut().zip([1.0, x, x * x, y, x * y]).for_each(|(sum, term)| *sum += weight * term);
         }
         let [n, x, xx, y, xy] = sums;
         if n <= 0.0 {

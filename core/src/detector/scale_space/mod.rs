@@ -203,9 +203,7 @@ impl Base<'_> {
                 let mut row = vec![0.0; columns.len()];
                 for v in rows {
                     stack_row(frames, offsets, v * step, wide.clone(), stacked);
-                    for (out, chunk) in row.iter_mut().zip(stacked.chunks(step)) {
-                        *out = chunk[0];
-                    }
+                    row.iter_mut().zip(stacked.chunks(step)).for_each(|(out, chunk)| *out = chunk[0]);
                     write(v, &row);
                 }
             }
@@ -350,9 +348,7 @@ fn doubled_rows(
             write(v, &upper);
         } else {
             double(i + 1, stacked, &mut lower);
-            for ((out, a), b) in middle.iter_mut().zip(&upper).zip(&lower) {
-                *out = 0.5 * (a + b);
-            }
+            middle.iter_mut().zip(&upper).zip(&lower).for_each(|((out, a), b)| *out = 0.5 * (a + b));
             write(v, &middle);
         }
     }

@@ -147,9 +147,7 @@ pub fn dog_plane(
 ) -> Result<Plane, Cancelled> {
     let levels = level_index..level_index + 2;
     each_tile(base, space, levels, (size, 1), &whole(size), monitor, |dog, _, region, part| {
-        for (v, row) in region.rows.clone().zip(part) {
-            row.copy_from_slice(dog.levels[0].row(v));
-        }
+        region.rows.clone().zip(part).for_each(|(v, row)| row.copy_from_slice(dog.levels[0].row(v)));
     })
 }
 

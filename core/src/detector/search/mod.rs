@@ -196,9 +196,8 @@ impl Search<'_> {
         };
         let (half_columns, half_rows) = (halved(&columns), halved(&rows));
         for plane in &mut next {
-            for (tile, part) in next_parts.iter_mut().zip(split_mut(plane, &half_columns, &half_rows)) {
-                tile.push(part);
-            }
+            let parts = split_mut(plane, &half_columns, &half_rows);
+            next_parts.iter_mut().zip(parts).for_each(|(tile, part)| tile.push(part));
         }
         let finished = AtomicUsize::new(0);
         let steps = regions.len() * group.visited.len();

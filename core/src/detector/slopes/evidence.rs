@@ -333,9 +333,7 @@ pub(super) fn turned(slope: Slope, degrees: f64) -> [f64; 2] {
 pub(super) fn ranges(evidence: &[SlopeEvidence], degrees: f64) -> ([f64; 2], [f64; 2]) {
     let mut out = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for e in evidence {
-        for (range, x) in out.iter_mut().zip(turned(e.slope, degrees)) {
-            *range = [range[0].min(x), range[1].max(x)];
-        }
+        out.iter_mut().zip(turned(e.slope, degrees)).for_each(|(range, x)| *range = [range[0].min(x), range[1].max(x)]);
     }
     (out[0], out[1])
 }

@@ -175,9 +175,7 @@ impl SearchTable {
             let length = step[0].hypot(step[1]);
             // Beyond one step of the grid the quadratic no longer describes P.
             let limit = (self.step / length.max(1e-12)).min(1.0);
-            for axis in 0..2 {
-                at[axis] += limit * (step[0] * axes[0][axis] + step[1] * axes[1][axis]);
-            }
+            (0..2).for_each(|axis| at[axis] += limit * (step[0] * axes[0][axis] + step[1] * axes[1][axis]));
             if length < 0.02 * self.step {
                 break;
             }

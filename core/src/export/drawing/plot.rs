@@ -73,12 +73,8 @@ impl Sheet {
         let x_of = |x: f64| area.x + part(x, plot.range_x) * area.width;
         let y_of = |y: f64| area.bottom() - part(y, plot.range_y) * area.height;
         // The grid first, under everything.
-        for tick in ticks(plot.range_y) {
-            self.line((area.x, y_of(tick)), (area.right(), y_of(tick)), GRID);
-        }
-        for tick in ticks(plot.range_x) {
-            self.line((x_of(tick), area.y), (x_of(tick), area.bottom()), GRID);
-        }
+        ticks(plot.range_y).into_iter().map(y_of).for_each(|y| self.line((area.x, y), (area.right(), y), GRID));
+        ticks(plot.range_x).into_iter().map(x_of).for_each(|x| self.line((x, area.y), (x, area.bottom()), GRID));
         self.heading((area.x, area.y - 10.0), 13.0, plot.title);
         self.axis_below(area, plot.range_x, plot.label_x);
         self.axis_left(area, plot.range_y, plot.label_y);
@@ -96,9 +92,7 @@ impl Sheet {
                 }
                 sheet.polyline(points.iter().map(finite), series.stroke());
                 if plot.has_dots {
-                    for place in points.iter().filter_map(finite) {
-                        sheet.circle(place, 3.2, series.dot_style());
-                    }
+                    points.iter().filter_map(finite).for_each(|place| sheet.circle(place, 3.2, series.dot_style()));
                 }
             }
         });

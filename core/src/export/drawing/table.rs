@@ -82,9 +82,7 @@ impl Table {
     /// This table with other heads where it is drawn or printed.
     #[must_use]
     pub fn headed(mut self, heads: &[&str]) -> Self {
-        for ((head, _), text) in self.columns.iter_mut().zip(heads) {
-            *head = [(*text).to_owned(), String::new()];
-        }
+        self.columns.iter_mut().zip(heads).for_each(|((head, _), text)| *head = [(*text).to_owned(), String::new()]);
         self
     }
 

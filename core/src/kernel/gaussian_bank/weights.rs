@@ -224,9 +224,7 @@ pub(crate) fn composed(chain: &[GaussianKernel], cut: f64) -> Vec<GaussianKernel
 fn convolved(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; a.len() + b.len() - 1];
     for (i, a) in a.iter().enumerate() {
-        for (j, b) in b.iter().enumerate() {
-            out[i + j] += a * b;
-        }
+        b.iter().enumerate().for_each(|(j, b)| out[i + j] += a * b);
     }
     out
 }

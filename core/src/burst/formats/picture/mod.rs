@@ -556,9 +556,8 @@ impl<R: BufRead + Seek> ImageDecoder for PngPicture<R> {
         self.reader.finish().map_err(png_failure)?;
         // PNG stores the high byte first; the buffer holds native numbers.
         if self.color.bytes_per_pixel() == 2 * self.color.channel_count() {
-            for bytes in buffer.as_chunks_mut::<2>().0 {
-                *bytes = u16::from_be_bytes(*bytes).to_ne_bytes();
-            }
+            let pairs = buffer.as_chunks_mut::<2>().0.iter_mut();
+            pairs.for_each(|bytes| *bytes = u16::from_be_bytes(*bytes).to_ne_bytes());
         }
         Ok(())
     }

@@ -287,9 +287,7 @@ mod tests {
         let denied = [libc::EPERM.unsigned_abs(), 0];
         let calls = [libc::SYS_add_key, libc::SYS_keyctl, libc::SYS_shmget, libc::SYS_msgget, libc::SYS_unshare];
         let more = [libc::SYS_sched_setaffinity, libc::SYS_ioprio_set, libc::SYS_setns, libc::SYS_execve];
-        for call in calls.into_iter().chain(more) {
-            assert_eq!(errors(call, 0), denied, "{call}");
-        }
+        calls.into_iter().chain(more).for_each(|call| assert_eq!(errors(call, 0), denied, "{call}"));
         assert_eq!((errors(libc::SYS_prlimit64, 1), errors(libc::SYS_prlimit64, 0)), (denied, [0, 0]));
         // A thread, as glibc starts one, and the same with users of its own.
         let thread = 0x003d_0f00;
