@@ -150,10 +150,8 @@ impl<'a> Losses<'a> {
             let inlier = pair.result.verification.as_ref().is_none_or(|v| v.inlier[number]);
             return if inlier { Lost::Not } else { Lost::Geometry };
         }
-        let Some(nearest) = of_a.get(index) else { return Lost::NoKeypoint };
-        if pair.model().is_some_and(|model| pair.there(model, index).is_empty()) {
-            return Lost::NoKeypoint;
-        }
+        let is_there = || pair.model().is_none_or(|model| !pair.there(model, index).is_empty());
+        let Some(nearest) = of_a.get(index).filter(|_| is_there()) else { return Lost::NoKeypoint };
         let back = &of_b[nearest.index];
         if pair.params.mutual && back.index != index {
             return Lost::MutualCheck;

@@ -280,12 +280,9 @@ impl OctaveMotion {
             counts.fill(0.0);
             for (plane, &(du, dv)) in self.planes.iter().zip(shifts) {
                 let row = y as i64 + dv;
-                if row < 0 || row >= height as i64 {
-                    continue;
-                }
                 let start = (columns.start as i64).max(-du);
                 let end = (columns.end as i64).min(width as i64 - du);
-                if start >= end {
+                if row < 0 || row >= height as i64 || start >= end {
                     continue;
                 }
                 let at = (start - columns.start as i64) as usize..(end - columns.start as i64) as usize;

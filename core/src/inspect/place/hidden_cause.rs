@@ -170,11 +170,8 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Cause
     }
     let next = number((first - 1) as f32, 0);
     let peak = climbed(trail, clear, first - 1, monitor)?;
-    if peak.height <= clear.peak.value.abs() {
-        return Ok(None);
-    }
     let changed = DetectorParams { first_octave: first - 1, ..params.clone() };
-    if peak.snr < gate_factor(&changed) {
+    if peak.height <= clear.peak.value.abs() || peak.snr < gate_factor(&changed) {
         return Ok(None);
     }
     let mut sigma_and_snr = (trail.space().sigma_image(first - 1, f64::from(peak.level)) as f32, peak.snr);

@@ -41,12 +41,9 @@ pub struct Needed {
 /// The changes that a candidate needs; `None` unless the noise gate is the first test that it fails, and where it is so
 /// weak that it is hardly more than noise.
 pub fn needed(trail: &Trail, fate: &Fate) -> Option<Needed> {
-    if fate.first_failed != Some(Test::NoiseGate) {
-        return None;
-    }
     let report = fate.report(Test::NoiseGate);
     let (value, limit) = (report.value?, report.limit?);
-    if report.outcome != Outcome::Fails || value < LEAST_GATE {
+    if fate.first_failed != Some(Test::NoiseGate) || report.outcome != Outcome::Fails || value < LEAST_GATE {
         return None;
     }
     let factor = (limit + NINE_OF_TEN) / value;
