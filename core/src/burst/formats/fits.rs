@@ -327,9 +327,7 @@ fn chosen(path: &Path, input: &Input, options: &OpenOptions) -> Result<(Unit, us
         }
         let unit = Unit::read(path, &mut reader)?;
         at = unit.data.saturating_add(unit.bytes).checked_next_multiple_of(BLOCK_BYTES).unwrap_or(u64::MAX);
-        if unit.is_image() {
-            images.push(unit);
-        }
+        images.extend(Some(unit).filter(Unit::is_image));
         // Bytes behind the last unit, and a part of a block, belong to no unit.
         if at.saturating_add(BLOCK_BYTES) > input.length {
             break;

@@ -145,9 +145,7 @@ fn times(
     if ticks.iter().any(|ticks| *ticks < TICKS_TO_1970) {
         return Ok(Times::default());
     }
-    if !ticks.is_sorted() {
-        taken.push("the stamps of its frames are not in their order".to_owned());
-    }
+    taken.extend((!ticks.is_sorted()).then(|| "the stamps of its frames are not in their order".to_owned()));
     let seconds = |ticks: u64| {
         let ticks = ticks - TICKS_TO_1970;
         // The whole seconds and the rest each keep their digits.

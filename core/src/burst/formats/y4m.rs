@@ -93,9 +93,7 @@ impl Film {
         let frames = places.len();
         let range = ((1u32 << self.bits) - 1) as f32;
         let mut taken = Vec::new();
-        if self.has_colour {
-            taken.push("the luma is taken, as it is stored".to_owned());
-        }
+        taken.extend(self.has_colour.then(|| "the luma is taken, as it is stored".to_owned()));
         if self.has_colour && !self.is_full_range {
             let (black, white) = (16 << (self.bits - 8), 235 << (self.bits - 8));
             taken.push(format!("films usually have black at {black} and white at {white}"));

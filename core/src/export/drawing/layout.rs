@@ -211,9 +211,7 @@ impl Style {
         // All fans below all marks, so that no fan hides a circle.
         panel.marks.iter().for_each(|mark| self.fan(panel, mark, rect, &mut over));
         panel.marks.iter().for_each(|mark| self.mark(panel, mark, rect, &mut over));
-        if !over.is_empty() {
-            out.push(FigureShape::Clipped { rect, round: true, shapes: over });
-        }
+        out.extend((!over.is_empty()).then_some(FigureShape::Clipped { rect, round: true, shapes: over }));
         let mut bottom = top + size[1];
         if let Some(bar) = panel.bar.as_ref().filter(|_| shared.bar.is_none()) {
             width = width.max(self.colour_bar(bar, [corner[0], bottom], size[0], out));

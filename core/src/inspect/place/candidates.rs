@@ -103,9 +103,7 @@ pub fn survey(trail: &Trail, options: &SurveyOptions, monitor: &Monitor) -> Resu
                     None => survey.kept += 1,
                 }
                 let asked = options.test.is_none_or(|test| mark.first_failed == Some(test));
-                if asked && mark.snr >= options.min_snr {
-                    survey.marks.push(mark);
-                }
+                survey.marks.extend(Some(mark).filter(|mark| asked && mark.snr >= options.min_snr));
             }
             done += share;
             monitor.report(Stage::Search { octave }, done);

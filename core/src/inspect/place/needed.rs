@@ -136,9 +136,8 @@ fn sentence(outlook: &Needed, needed: Option<usize>) -> String {
         };
         ways.push(format!("with {} times the exposure{why}", number(exposure as f32, 2)));
     }
-    if let Some(speed) = outlook.speed {
-        ways.push(format!("at {} of the speed with as much longer exposures", number(speed as f32, 2)));
-    }
+    let slower = |speed| format!("at {} of the speed with as much longer exposures", number(speed as f32, 2));
+    ways.extend(outlook.speed.map(slower));
     if ways.is_empty() {
         return format!("neither more frames nor a longer exposure helps{not}");
     }

@@ -167,9 +167,7 @@ fn is_still(feature: &Feature, spread_frames: f32) -> bool {
 pub fn decoys(trail: &Trail, study: &DecoyStudy, judges: bool, monitor: &Monitor) -> Result<Decoys> {
     let (_, kept, positions) = trail.frames();
     let mut orders = study.orders(kept.len())?;
-    if trail.params().max_features > 0 {
-        orders.push((0..kept.len()).collect());
-    }
+    orders.extend((trail.params().max_features > 0).then(|| (0..kept.len()).collect()));
     let mut copies = Vec::with_capacity(orders.len());
     for (number, order) in orders.iter().enumerate() {
         let share = 1.0 / orders.len() as f32;

@@ -403,9 +403,7 @@ impl<'a> Judging<'a> {
             let mut more = |end: f32, slope: f32| {
                 let there = at_limit.iter().filter(|f| at(second, f).clamp(0.0, last).round() == end).count();
                 let is_many = axis.count > 1 && share(there, at_limit.len()) >= OF_THOSE;
-                if is_many {
-                    ends.push(format!("{} {}", if second { "v" } else { "u" }, number(slope, 2)));
-                }
+                ends.extend(is_many.then(|| format!("{} {}", if second { "v" } else { "u" }, number(slope, 2))));
                 if is_many { axis.count.saturating_sub(1).div_ceil(2).max(1) } else { 0 }
             };
             let (below, above) = (more(0.0, axis.min), more(last, axis.max));

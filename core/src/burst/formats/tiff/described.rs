@@ -171,9 +171,7 @@ fn of_ome(text: &str, path: &Path, pages: usize, array: Option<&str>) -> Result<
         }
     };
     let mut found = planes(chosen.1, (path, root.attribute("UUID")), pages).map_err(wrong)?;
-    if images.len() > 1 {
-        found.said.push(format!("of {} images '{:.200}' is taken", images.len(), chosen.0));
-    }
+    found.said.extend((images.len() > 1).then(|| format!("of {} images '{:.200}' is taken", images.len(), chosen.0)));
     Ok(Some(found))
 }
 
@@ -234,9 +232,7 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
         }
     }
     let files: BTreeSet<&str> = found.pages.iter().flatten().filter_map(|page| page.file.as_deref()).collect();
-    if !files.is_empty() {
-        found.said.push(format!("the file is one of a set of {}", files.len() + 1));
-    }
+    found.said.extend((!files.is_empty()).then(|| format!("the file is one of a set of {}", files.len() + 1)));
     Ok(found)
 }
 
