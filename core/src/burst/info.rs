@@ -62,10 +62,8 @@ impl Info {
         let (source, range) = (only_burst(inputs, options)?, options.take);
         let mut files = source.files()?;
         let is_apart = files.len() > 1;
-        let of_files = match is_apart && files.len() <= MOST_FRAMES {
-            true => Some(placed(&mut files, None, options, monitor)?),
-            false => None,
-        };
+        let are_placed = is_apart && files.len() <= MOST_FRAMES;
+        let of_files = are_placed.then(|| placed(&mut files, None, options, monitor)).transpose()?;
         // Of several files those that are taken are left.
         let options = &OpenOptions { take: range.filter(|_| !is_apart), ..options.clone() };
         let first = files.first().ok_or_else(Error::nothing_given)?;

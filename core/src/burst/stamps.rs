@@ -498,10 +498,8 @@ impl FoundTimes {
             Some(file) => base_name(&file.to_string_lossy()).to_owned(),
             None => format!("frame {t}"),
         };
-        let lines = match (self.lines.get(a), self.lines.get(b)) {
-            (Some(a), Some(b)) => format!("lines {a} and {b}: "),
-            _ => String::new(),
-        };
+        let lines = self.lines.get(a).zip(self.lines.get(b));
+        let lines = lines.map_or(String::new(), |(a, b)| format!("lines {a} and {b}: "));
         let relation = match gap {
             0.0 => "have the same time",
             0.0.. => "have nearly the same time",

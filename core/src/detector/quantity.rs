@@ -389,17 +389,13 @@ impl Quantity {
         }
     }
 
-    fn may_be_empty(self) -> bool {
-        matches!(self, Self::FieldU | Self::FieldV | Self::FieldSigma | Self::Layer)
-    }
-
     /// Sets the value of `feature` from a file's cell; an empty cell changes nothing.
     ///
     /// # Errors
     /// Allowed values of the cell, in words.
     pub fn read(self, feature: &mut Feature, cell: &str) -> Result<(), &'static str> {
         match self.record().place {
-            _ if cell.is_empty() && self.may_be_empty() => {}
+            _ if cell.is_empty() && matches!(self, Self::FieldU | Self::FieldV | Self::FieldSigma | Self::Layer) => {}
             FeatureField::Real(at) => *at(feature) = cell.parse().map_err(|_| "a number")?,
             FeatureField::Whole(at) => *at(feature) = cell.parse().map_err(|_| "a whole number")?,
             FeatureField::Flag(at) => {

@@ -34,11 +34,6 @@ impl<'a> Bitmap<'a> {
         (self.width, self.height)
     }
 
-    pub(super) fn rgb_pixels(&self) -> Vec<[u8; 3]> {
-        let bytes = if self.has_alpha { 4 } else { 3 };
-        self.pixels.chunks_exact(bytes).map(|p| [p[0], p[1], p[2]]).collect()
-    }
-
     pub(super) fn check_size(&self, path: &Path) -> Result<()> {
         // PNG's own limit is 2³¹ − 1 for each side.
         let fits = |side: usize| (1..=i32::MAX as usize).contains(&side);
@@ -64,7 +59,10 @@ impl<'a> Bitmap<'a> {
     fn reduced(&self) -> (ColorType, Cow<'_, [u8]>) {
         match self.greys() {
             Some(greys) => (ColorType::Grayscale, greys.into()),
-            None if self.has_alpha && self.is_opaque() => (ColorType::Rgb, self.rgb_pixels().into_flattened().into()),
+            None if self.has_alpha && self.is_opaque() => {
+                let colours: Vec<u8> = self.pixels.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
+                (ColorType::Rgb, colours.into())
+            }
             None if self.has_alpha => (ColorType::Rgba, self.pixels.into()),
             None => (ColorType::Rgb, self.pixels.into()),
         }

@@ -30,10 +30,7 @@ pub fn zeroed<T: Zeroable>(count: usize) -> Vec<T> {
 /// Empty vector with room for `count` values. Unwinds as [`zeroed`] where the system refuses it.
 pub fn with_capacity<T>(count: usize) -> Vec<T> {
     let mut values = Vec::new();
-    match values.try_reserve_exact(count) {
-        Ok(()) => values,
-        Err(_) => refused::<T>(count),
-    }
+    values.try_reserve_exact(count).map_or_else(|_| refused::<T>(count), |()| values)
 }
 
 /// Unwinds as [`zeroed`] where the system refuses `bytes`: to call before code that cannot be refused memory itself.

@@ -55,12 +55,6 @@ pub(super) struct Posterior {
 }
 
 impl Candidates {
-    /// Candidates of a sweep over `count` slopes along u and v: on a line also one between each two.
-    pub fn of_sweep(count: [usize; 2]) -> Self {
-        let per_step = if count[0] > 1 && count[1] > 1 { 1 } else { 2 };
-        Self { count: count.map(|count| (count - 1) * per_step + 1), per_step }
-    }
-
     fn len(&self) -> usize {
         self.count[0] * self.count[1]
     }
@@ -205,12 +199,13 @@ impl Model {
 impl Posterior {
     /// The posterior from the evidence for each swept slope, `swept` of them along u and v.
     pub fn new(nats: &[Plane], swept: [usize; 2], monitor: &Monitor) -> Result<Self, Cancelled> {
-        let candidates = Candidates::of_sweep(swept);
+        // On a line there is also a candidate between each two slopes.
+        let per_step = if swept[0] > 1 && swept[1] > 1 { 1 } else { 2 };
+        let candidates = Candidates { count: swept.map(|count| (count - 1) * per_step + 1), per_step };
         // Drift is found on blocks first: single cells know their motion too badly to show a small change.
         let blocks: Vec<Plane> = nats.par_iter().map(|nats| summed(nats, BLOCK_CELLS)).collect();
-        let still = [[0.0; 2]; 2];
-        let of_blocks = Self::with(&blocks, candidates, (still, BLOCK_WANDER), monitor)?;
-        let drift = of_blocks.drift(blocks[0].size());
+        let still = ([[0.0; 2]; 2], BLOCK_WANDER);
+        let drift = Self::with(&blocks, candidates, still, monitor)?.drift(blocks[0].size());
         Self::with(nats, candidates, (drift, WANDER), monitor)
     }
 

@@ -102,10 +102,7 @@ impl PhotonTransfer {
 
     /// Variance of the noise of one frame at `brightness`, both as fractions of full scale; at least `min`.
     pub fn variance(&self, brightness: f32) -> f32 {
-        let variance = match self.bit {
-            Some(bit) => brightness * (bit - brightness),
-            None => self.slope * brightness + self.dark,
-        };
+        let variance = self.bit.map_or(self.slope * brightness + self.dark, |bit| brightness * (bit - brightness));
         variance.max(self.min)
     }
 }

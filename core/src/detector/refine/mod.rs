@@ -150,10 +150,8 @@ pub fn refine(
     limits: Limits,
 ) -> Result<Fit, Test> {
     let fit = fit((dog, first), place, level_index, size).ok_or(Test::Refinement)?;
-    match fit.tests(size, dog.levels.len(), limits).into_iter().find(|(_, passes)| !passes) {
-        Some((test, _)) => Err(test),
-        None => Ok(fit),
-    }
+    let failed = fit.tests(size, dog.levels.len(), limits).into_iter().find(|(_, passes)| !passes);
+    failed.map_or(Ok(fit), |(test, _)| Err(test))
 }
 
 /// Distance from the sample, in pixels or levels, at which an ascent begins where the quadratic fit leads farther.
