@@ -325,8 +325,7 @@ impl FromStr for Camera {
         // COLMAP's order in `cameras.txt`: the size before the parameters.
         let (width, height) = (side()?, side()?);
         let number = |word: &str| word.parse().map_err(|_| format!("'{word}' is not a number; {}", form()));
-        let params = words.map(number).collect::<Result<_, String>>()?;
-        let camera = Self { model, width, height, params };
+        let camera = Self { model, width, height, params: words.map(number).collect::<Result<_, String>>()? };
         camera.validate("camera").map_err(|e| format!("{}; {}", e.problem, e.remedy))?;
         Ok(camera)
     }

@@ -56,8 +56,7 @@ pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result
         detection = pipeline::search(&search.burst, &search.params, &search.rest)?;
     }
     let PreparedSearch { asked, finding, slopes_secs, .. } = search;
-    let detection = detection.over(burst, &asked);
-    Ok(Searched { detection, params: asked, finding, slopes_secs })
+    Ok(Searched { detection: detection.over(burst, &asked), params: asked, finding, slopes_secs })
 }
 
 /// Share of a search's progress that finding the slopes takes.

@@ -187,8 +187,7 @@ fn turned_frame(frame: &Plane, camera: &Camera, from_turned: &UnitQuaternion<f64
     let source = |u: usize, v: usize| {
         let [x, y] = camera.direction_of([u as f64, v as f64]);
         let seen = from_turned * Vector3::new(x, y, 1.0);
-        let is_ahead = seen.z > 0.0;
-        if is_ahead { camera.pixel_of([seen.x / seen.z, seen.y / seen.z]).map(|x| x as f32) } else { [f32::NAN; 2] }
+        if seen.z > 0.0 { camera.pixel_of([seen.x / seen.z, seen.y / seen.z]).map(|x| x as f32) } else { [f32::NAN; 2] }
     };
     let columns = width.div_ceil(GRID_PX) + 1;
     let grid: Vec<[f32; 2]> = (0..columns * (height.div_ceil(GRID_PX) + 1))

@@ -197,8 +197,7 @@ pub(super) fn folder_name(folder: &Path) -> String {
 /// Pictures and subfolders of a folder, in natural order; without pictures films, else archives and raw numbers.
 fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     let (mut found, mut subfolders) = (Vec::<(Rank, PathBuf)>::new(), Vec::new());
-    let entries = std::fs::read_dir(folder).map_err(|e| Error::from_io(folder, &e))?;
-    for entry in entries {
+    for entry in std::fs::read_dir(folder).map_err(|e| Error::from_io(folder, &e))? {
         let entry = entry.map_err(|e| Error::from_io(folder, &e))?;
         if entry.file_name().to_string_lossy().starts_with('.') {
             continue;

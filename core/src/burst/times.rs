@@ -86,8 +86,7 @@ impl Stamp {
         let (text, fraction) = text.trim_end_matches('Z').split_once('.').unwrap_or((text.trim_end_matches('Z'), ""));
         let (date, time) = text.split_once(['T', ' '])?;
         let seconds = seconds_of(&format!("{}T{time}", date.replace([':', '/'], "-")))? as i128 - 60 * zone_minutes;
-        let value = seconds * PARTS + parts(fraction);
-        are_digits(fraction).then_some(Self { value, written: Written::Date })
+        are_digits(fraction).then_some(Self { value: seconds * PARTS + parts(fraction), written: Written::Date })
     }
 
     /// A time such as `22:00:00.880`, or minutes and seconds with a fraction, `05:00.5`.
@@ -99,8 +98,7 @@ impl Stamp {
             [minutes, seconds] if seconds < 60 && !fraction.is_empty() => 60 * minutes + seconds,
             _ => return None,
         };
-        let value = seconds * PARTS + parts(fraction);
-        are_digits(fraction).then_some(Self { value, written: Written::Clock })
+        are_digits(fraction).then_some(Self { value: seconds * PARTS + parts(fraction), written: Written::Clock })
     }
 
     fn is_number(&self) -> bool {
@@ -461,10 +459,8 @@ impl List {
         let alike = |of: usize| stamped.iter().copied().filter(move |at| sureness(at) == sureness(&of));
         let seconds = headed.and_then(|of| alike(of).find(|at| unit_of(*at) == Some(Unit::Seconds)));
         let seconds = seconds.filter(|at| rows.iter().all(|(_, row)| whole(row, *at).is_some()));
-        let split = seconds.and_then(|of| {
-            let behind = alike(of).find(|at| rows.iter().all(|(_, row)| part(*at, row).is_some()));
-            Some((of, behind?))
-        });
+        let is_behind = |at: &usize| rows.iter().all(|(_, row)| part(*at, row).is_some());
+        let split = seconds.and_then(|of| Some((of, alike(of).find(is_behind)?)));
         let headed = split.map(|(seconds, _)| seconds).or(headed);
         let is_dated = |at: &usize| Stamp::of(first[*at]).is_some_and(|stamp| !stamp.is_number());
         let dated: Vec<usize> = stamped.iter().copied().filter(is_dated).collect();

@@ -161,8 +161,7 @@ fn filter_piece(above: &[f32], row: &[f32], below: &[f32], whole: &Range<f32>, o
 
 /// Median of values on a lattice of spacing `step` (0: continuous), each of which stands for the interval around it.
 fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
-    let middle = values.len() / 2;
-    let (_, &mut median, _) = values.select_nth_unstable_by(middle, f32::total_cmp);
+    let (_, &mut median, _) = values.select_nth_unstable_by(values.len() / 2, f32::total_cmp);
     if step <= 0.0 {
         return median;
     }

@@ -142,8 +142,7 @@ pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> R
     let noise = known_noise(burst, params, &ScaleSpace::of(params), monitor)?.model;
     let (width, height) = burst.size();
     let cells = noise.sigma_map((width, height), NOISE_CELL_PX);
-    let at = |u, v| sample_at(&cells, NOISE_CELL_PX, u as f32, v as f32);
-    Ok(Plane::from_fn(width, height, at))
+    Ok(Plane::from_fn(width, height, |u, v| sample_at(&cells, NOISE_CELL_PX, u as f32, v as f32)))
 }
 
 /// σ of the noise in D (fraction of full scale) at each pixel of `octave`, as the gate uses it, at any `slope`

@@ -139,8 +139,7 @@ impl Case {
 
     /// Bytes of the file, about: a 16-bit word for each pixel, which PNG seldom halves, and 8 KB for all else.
     pub fn estimated_bytes(&self) -> u64 {
-        let pixels = self.size[0] as u64 * self.size[1] as u64 * self.frames as u64;
-        2 * pixels + 8192
+        2 * self.size[0] as u64 * self.size[1] as u64 * self.frames as u64 + 8192
     }
 
     /// A file may hold anything.

@@ -30,8 +30,7 @@ pub struct MadeFrom {
 impl MadeFrom {
     /// This program with `settings`.
     pub fn new(settings: impl Into<Value>) -> Self {
-        let version = env!("CARGO_PKG_VERSION").to_owned();
-        Self { version, detector_revision: REVISION, settings: settings.into() }
+        Self { version: env!("CARGO_PKG_VERSION").to_owned(), detector_revision: REVISION, settings: settings.into() }
     }
 
     /// Whether this program would make the same bits.

@@ -89,8 +89,7 @@ impl ProbeCache {
         }
         let trail = self.trail.rejudged(&self.params().judged_as(asked), monitor)?;
         let (burst, finding, asked) = (self.burst.clone(), self.finding.clone(), asked.clone());
-        let shown = self.shown.clone();
-        Ok(trail.map(|trail| Self { burst, trail: Arc::new(trail), finding, asked, shown }))
+        Ok(trail.map(|trail| Self { burst, trail: Arc::new(trail), finding, asked, shown: self.shown.clone() }))
     }
 
     /// This detection as the result of another request, `asked`, with its own finding of slopes.

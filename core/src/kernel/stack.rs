@@ -114,8 +114,7 @@ impl<'a> RowStacker<'a> {
             }
         }
         let (mixed, counts, sums) = (Aligned::default(), Vec::new(), WeightedRows::default());
-        let masked = any_masked(frames).then(MaskedRows::default);
-        Self { frames, slopes, groups, mixed, counts, sums, masked }
+        Self { frames, slopes, groups, mixed, counts, sums, masked: any_masked(frames).then(MaskedRows::default) }
     }
 
     /// Writes `rows` and `columns` of each slope's motion-stack image to its slice of `outs`, with rows `stride` apart.

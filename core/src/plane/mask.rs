@@ -155,8 +155,7 @@ fn fill(plane: &mut Plane, weights: &Plane) {
     let seen = Plane::from_fn(plane.width(), plane.height(), |u, v| f32::from(weights.at(u, v) >= SEEN));
     let mut levels = vec![coarser(plane, &seen)];
     while let Some((means, sums)) = levels.last().filter(|(means, _)| means.data().len() > 1) {
-        let next = coarser(means, sums);
-        levels.push(next);
+        levels.push(coarser(means, sums));
     }
     let mut filled: Option<Plane> = None;
     let upper = |filled: &Plane, u: usize, v: usize| {

@@ -70,8 +70,7 @@ struct Merging<'a> {
 impl Merging<'_> {
     /// Row `j` of tiles under the window: as wide as the image, as high as a tile.
     fn tile_row(&self, j: usize) -> Plane {
-        let width = self.reference.width();
-        let mut out = Plane::zeros(width, TILE);
+        let mut out = Plane::zeros(self.reference.width(), TILE);
         for i in 0..self.grid.columns {
             let tile = self.tile(i, j);
             let first = first_pixel(i);

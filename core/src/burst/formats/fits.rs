@@ -89,9 +89,8 @@ impl Unit {
         }
         let data = reader.stream_position().map_err(fail)?.next_multiple_of(BLOCK_BYTES);
         let unit = Self { cards, data, own_axes: Vec::new(), axes: Vec::new(), is_tiled: false, bytes: 0 };
-        let positive = |name: &str| {
-            let number = unit.whole(path, name)?;
-            Ok::<Option<u64>, Error>(number.and_then(|number| number.try_into().ok()))
+        let positive = |name: &str| -> Result<Option<u64>> {
+            Ok(unit.whole(path, name)?.and_then(|number| number.try_into().ok()))
         };
         let axes_of = |prefix: &str| {
             let (count, own) = (format!("{prefix}NAXIS"), |axis| format!("{prefix}NAXIS{axis}"));

@@ -32,8 +32,7 @@ const NAME: &str = "raw";
 impl Format for Raw {
     fn record(&self) -> Record {
         let opens = "each file is one frame: DNG and what `rawler` reads; 2×2 pixels of the mosaic become one";
-        let options = "`--raw-colour green`";
-        Record { name: NAME, rank: Rank::Picture, extensions: OF_SENSORS, opens, options }
+        Record { name: NAME, rank: Rank::Picture, extensions: OF_SENSORS, opens, options: "`--raw-colour green`" }
     }
 
     /// A raw file may use a video container.

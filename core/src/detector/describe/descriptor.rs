@@ -207,8 +207,7 @@ fn in_bytes(bins: &Sums) -> Descriptor {
     if sum <= 0.0 {
         return [0; BINS];
     }
-    let scaled = bins.map(|x| ((x / sum).sqrt() * 512.0 + 0.5).min(255.0) as i32 as u8);
-    to_vlfeat_order(&scaled)
+    to_vlfeat_order(&bins.map(|x| ((x / sum).sqrt() * 512.0 + 0.5).min(255.0) as i32 as u8))
 }
 
 /// Converts a descriptor to VLFeat's order; its own inverse.

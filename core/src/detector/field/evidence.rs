@@ -99,8 +99,7 @@ impl Evidence {
             to_nats(power, &scale);
             *power = summed(power, MERGED_CELLS);
         });
-        let last_frame = times.positions.span() as f32;
-        Ok(Self { size: nats[0].size(), grid, last_frame, nats })
+        Ok(Self { size: nats[0].size(), grid, last_frame: times.positions.span() as f32, nats })
     }
 }
 

@@ -124,15 +124,13 @@ impl MotionField {
     /// Layer, from 1, of a feature at the place (`u`, `v`) that moves by `slope` ± `sigma`, pixels per frame: that of
     /// the place, or else the layer of the nearest motion among the others; 0 if the feature moves like none.
     pub fn layer_of(&self, (u, v): (f32, f32), slope: Slope, sigma: f32) -> u8 {
-        let here = self.at(u, v);
-        if here.distance(slope, sigma) < OTHER_SIGMAS {
+        if self.at(u, v).distance(slope, sigma) < OTHER_SIGMAS {
             return self.layer_at(u, v);
         }
         let apart = |layer: &MotionLayer| {
             (slope.u - layer.slope.u).hypot(slope.v - layer.slope.v) / sigma.hypot(layer.spread).max(f32::MIN_POSITIVE)
         };
-        let numbered = (1u8..).zip(self.layers.iter().map(apart));
-        let nearest = numbered.min_by(|(_, a), (_, b)| a.total_cmp(b));
+        let nearest = (1u8..).zip(self.layers.iter().map(apart)).min_by(|(_, a), (_, b)| a.total_cmp(b));
         nearest.filter(|(_, apart)| *apart < OTHER_SIGMAS).map_or(0, |(number, _)| number)
     }
 

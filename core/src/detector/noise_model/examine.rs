@@ -152,9 +152,8 @@ pub fn examine(
     let mut squares: (Vec<Square>, f32) = seen(measured(&squares));
 
     let warnings = [of_frames(&survey, is_evened, pattern_share), of_pattern(&pattern)].concat();
-    let correlations = survey.correlations.clone();
-    let model = NoiseModel { is_local: true, correlations, shown, ..NoiseModel::default() };
-    let mut model = NoiseModel { pattern_share, flattened, warnings, pattern, ..model };
+    let model = NoiseModel { pattern_share, flattened, warnings, pattern, ..NoiseModel::default() };
+    let mut model = NoiseModel { is_local: true, correlations: survey.correlations.clone(), shown, ..model };
     fit_brightness(&mut model, &squares, looked.len(), (quantisation_step, bit));
     // The map costs a filter at every square: it is made only where the sparse squares disagree.
     if flattened.is_none() && differ_by_place(&squares.0, &model.transfer, squares.1) {

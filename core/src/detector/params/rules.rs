@@ -147,8 +147,7 @@ impl Word for Rules {
     }
 
     fn set_word(&mut self, word: &str) -> bool {
-        let named = Self::NAMED.iter().find(|(_, name)| *name == word);
-        named.map(|(rules, _)| *self = *rules).is_some()
+        Self::NAMED.iter().find(|(_, name)| *name == word).map(|(rules, _)| *self = *rules).is_some()
     }
 }
 

@@ -79,8 +79,7 @@ impl DetectorParams {
         }
         // Slopes that move every point out of the image by the burst's end have nothing to stack.
         let span = used.reach() as f32 * self.slopes.max_magnitude();
-        let diagonal = (size.0 as f32).hypot(size.1 as f32);
-        if self.method == Method::Buff && span >= diagonal {
+        if self.method == Method::Buff && span >= (size.0 as f32).hypot(size.1 as f32) {
             return fail(
                 doc::SLOPES_U,
                 format!(

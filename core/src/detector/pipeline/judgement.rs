@@ -150,8 +150,7 @@ impl Trail {
 
     /// Judges samples of a neighbourhood; `None` on the octave's border and at slopes that the search leaves out there.
     pub fn judge(&self, around: &Neighbourhood, samples: &[Sample]) -> Vec<Option<Judgement>> {
-        let monitor = Monitor::default();
-        self.with_search(&monitor, |search| {
+        self.with_search(&Monitor::default(), |search| {
             samples.iter().map(|sample| self.judge_one(search, around, sample)).collect()
         })
     }

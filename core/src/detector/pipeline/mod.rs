@@ -107,8 +107,7 @@ fn search_all(
         if let (SearchSlopes::Field, Some(field)) = (params.search, &field) {
             inputs.around = Some(Arc::new(SlopesAround::new(field, grid, burst.size())));
         }
-        let noise_secs = started.elapsed().as_secs_f32();
-        let times = StageTimes { noise_secs, ..StageTimes::default() };
+        let times = StageTimes { noise_secs: started.elapsed().as_secs_f32(), ..StageTimes::default() };
         let shows_first = keeping.filter(|_| earlier.is_none() && is_long(params, burst.size()));
         let begun = shows_first.map(|keeping| search_first(&inputs, field.as_ref(), keeping.first, monitor));
         let begun = begun.transpose()?;

@@ -93,8 +93,7 @@ impl Trail {
         let is_own = |frame: &&Arc<Plane>| !others.iter().any(|other| Arc::ptr_eq(other, frame));
         let frames: usize = self.inputs.frames.iter().filter(is_own).map(|frame| plane(frame)).sum();
         let means = self.outcome.means.iter().filter_map(OnceLock::get).flatten();
-        let bases = self.outcome.bases.iter().flatten().flat_map(|levels| &levels.planes);
-        let bases = bases.map(|level| &**level);
+        let bases = self.outcome.bases.iter().flatten().flat_map(|levels| &levels.planes).map(|level| &**level);
         let planes: usize = bases.chain(means).chain(&*self.inputs.binned).map(plane).sum();
         let Detection { features, descriptors, .. } = &self.detection;
         let found = size_of_val(&features[..]) + size_of_val(&descriptors[..]) + size_of_val(&self.choice.ranked[..]);

@@ -67,8 +67,7 @@ impl FirstLevel<'_> {
             let (mut x, mut y, mut log) = (start.0, start.1, begin);
             for _ in 0..MAX_STEPS {
                 let sigma2 = (2.0 * log).exp();
-                let variances = [sigma2 - own, k2 * sigma2 - own];
-                let [fine, coarse] = pixels.jets((x, y), variances);
+                let [fine, coarse] = pixels.jets((x, y), [sigma2 - own, k2 * sigma2 - own]);
                 let d = Derivatives::of(&fine, sigma2, &coarse, k2 * sigma2);
                 if sign * d.value <= 0.0 {
                     return None;

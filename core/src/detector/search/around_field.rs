@@ -44,8 +44,7 @@ impl SlopesAround {
         let searched: Vec<Vec<bool>> =
             near.iter().map(|block| widened(&grid, block.as_ref().unwrap_or(&all), STEPS)).collect();
         let anywhere: Vec<bool> = (0..grid.len()).map(|index| searched.iter().any(|block| block[index])).collect();
-        let held = widened(&grid, &anywhere, 1);
-        Self { grid, size: blocks, searched, held }
+        Self { grid, size: blocks, searched, held: widened(&grid, &anywhere, 1) }
     }
 
     /// Whether first levels are made for slope `index`.

@@ -87,8 +87,7 @@ impl Event {
             Self::Order(order) => {
                 let order: Vec<usize> = order.iter().map(|t| kept[*t]).collect();
                 let wrong: Vec<usize> = kept.iter().zip(&order).filter(|(a, b)| a != b).map(|(t, _)| *t).collect();
-                let text = order_text(&wrong, &order);
-                (MotionWarningKind::OutOfOrder, wrong.clone(), wrong.len() as f32, text)
+                (MotionWarningKind::OutOfOrder, wrong.clone(), wrong.len() as f32, order_text(&wrong, &order))
             }
             Self::Missing { after, count } => {
                 let are = if *count == 1 { "frame is" } else { "frames are" };

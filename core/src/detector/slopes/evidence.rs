@@ -68,8 +68,7 @@ pub(super) fn look(
     monitor: &Monitor,
 ) -> Result<(Seen, SearchTable), Cancelled> {
     let table = SearchTable::new(&lags.distances, track, &fourier.overlap);
-    let looking = Looking { fourier, table: &table, lags, levels, first_level, ignored_lags };
-    let seen = looking.all(monitor)?;
+    let seen = Looking { fourier, table: &table, lags, levels, first_level, ignored_lags }.all(monitor)?;
     Ok((seen, table))
 }
 
@@ -276,8 +275,7 @@ pub(super) fn grid_for(evidence: &[SlopeEvidence], steps: Steps, line_deg: Optio
     let spread_deg = principal_deg(evidence, [mean(|s| s.u), mean(|s| s.v)]);
     let (straight, turned) = (plane(0.0), plane((spread_deg / TURNED_DEG).round() * TURNED_DEG));
     let area = |grid: &SlopeGrid| f64::from(grid.u.max - grid.u.min) * f64::from(grid.v.max - grid.v.min);
-    let smaller = area(&turned) <= MUCH_SMALLER * area(&straight);
-    Some(if smaller { turned } else { straight })
+    Some(if area(&turned) <= MUCH_SMALLER * area(&straight) { turned } else { straight })
 }
 
 /// Direction, in degrees, of the line through slope 0 on which the evidence lies; `None` where it does not.

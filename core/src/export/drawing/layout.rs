@@ -280,8 +280,7 @@ impl Style {
         let right = rect.min[0] + rect.size[0] - 0.4 * font;
         let y = rect.min[1] + rect.size[1] - 0.8 * font;
         // White on black: readable on any picture.
-        let size = [width, 1.8 * font];
-        out.push(filled(FigureRect { min: [right - width, y - 1.4 * font], size }, [0; 3]));
+        out.push(filled(FigureRect { min: [right - width, y - 1.4 * font], size: [width, 1.8 * font] }, [0; 3]));
         let middle = right - 0.5 * width;
         let ends = [middle - 0.5 * length, middle + 0.5 * length].map(|x| [x, y]);
         out.push(line(ends.to_vec(), FigureStroke::new([255; 3], 0.2 * font), "scale"));

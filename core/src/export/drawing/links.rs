@@ -155,8 +155,7 @@ pub(super) fn lines_of(
             shapes.push(FigureShape::Line { points: vec![Some(from), Some(to)], style, class: "match" });
         }
         // A single ring shows that a match exists whose other end is out of sight.
-        let radius = RING * width;
-        let ring = |centre| FigureShape::Circle { centre, radius, style: stroke.into() };
+        let ring = |centre| FigureShape::Circle { centre, radius: RING * width, style: stroke.into() };
         shapes.extend(ends.into_iter().flatten().map(ring));
     }
     shapes

@@ -95,8 +95,7 @@ pub fn survey(trail: &Trail, options: &SurveyOptions, monitor: &Monitor) -> Resu
         let parts = parts(trail, octave);
         let share = pixels(trail, octave) / all_pixels / parts.len() as f32;
         for part in parts {
-            let around = trail.neighbourhood(octave, &part, monitor)?;
-            for mark in marks(trail, &around) {
+            for mark in marks(trail, &trail.neighbourhood(octave, &part, monitor)?) {
                 survey.candidates += 1;
                 match mark.first_failed {
                     Some(test) => by_test[test as usize] += 1,

@@ -309,8 +309,7 @@ pub(super) fn at_another_slope(trail: &Trail, nearness: &Nearness, fates: &[Fate
         let most =
             other.map_or_else(String::new, |own| format!(", while the place's own motion is {}", slope_text(own)));
         let sentence = format!("found at another slope: feature {feature} at slope {}{most}", slope_text(fate.slope));
-        let reason = Cause::new(CauseKind::AtAnotherSlope, fate.slope, sentence);
-        Some(Cause { feature: Some(feature), ..reason })
+        Some(Cause { feature: Some(feature), ..Cause::new(CauseKind::AtAnotherSlope, fate.slope, sentence) })
     };
     kept().filter_map(reason).take(MOST_OTHERS).collect()
 }

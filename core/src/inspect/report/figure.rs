@@ -96,8 +96,7 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
         let [from, to] = ends.map(|(column, row)| (x_of(column.into()), y_of(row.into())));
         sheet.line(from, to, FigureStroke::new(INK, 1.0));
     }
-    let each = rows.div_ceil(12).max(1);
-    for (row, scale) in map.scales.iter().enumerate().step_by(each) {
+    for (row, scale) in map.scales.iter().enumerate().step_by(rows.div_ceil(12).max(1)) {
         sheet.text((area.x - 7.0, y_of(row as f64) + 4.0), 11.0, Anchor::End, &number(scale.sigma, 1));
     }
     sheet.label_left(area, "scale σ, px");

@@ -92,8 +92,7 @@ impl DecoyStudy {
 
 /// Pearson's correlation of the times that an order gives with the frames' own, −1 … 1; NaN for a single frame.
 fn correlation_with_time(order: &[usize]) -> f64 {
-    let middle = 0.5 * (order.len() as f64 - 1.0);
-    let from_middle = |place: usize| place as f64 - middle;
+    let from_middle = |place: usize| place as f64 - 0.5 * (order.len() as f64 - 1.0);
     let products = order.iter().enumerate().map(|(i, &place)| from_middle(i) * from_middle(place));
     products.sum::<f64>() / (0..order.len()).map(|i| from_middle(i).powi(2)).sum::<f64>()
 }

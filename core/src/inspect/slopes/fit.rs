@@ -60,8 +60,7 @@ impl SlopeJudgement {
     /// Whether the slopes hold the motion that the frames show, as more than are needed do; `None` where too little
     /// shows.
     pub fn holds(&self) -> Option<bool> {
-        let fault = self.advice.as_ref().map(|advice| advice.subject == AdviceSubject::Cost);
-        fault.or(self.fits.then_some(true))
+        self.advice.as_ref().map(|advice| advice.subject == AdviceSubject::Cost).or(self.fits.then_some(true))
     }
 }
 

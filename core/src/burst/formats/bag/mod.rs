@@ -333,8 +333,7 @@ impl<'a> Topic<'a> {
                 }
                 None => picture.plain(path, kind, limits)?.0.declared(),
             };
-            let taken = vec![format!("the encoding is '{:.40}'", picture.encoding)];
-            Ok(Declared { kind, taken, ..header })
+            Ok(Declared { kind, taken: vec![format!("the encoding is '{:.40}'", picture.encoding)], ..header })
         });
         Ok(header?.remove(0))
     }

@@ -85,8 +85,7 @@ impl<'a> PageReader<'a> {
         if let Some(reason) = damage.as_ref().filter(|_| !options.accept_damaged) {
             return Err(Error::corrupt(path, NAME, reason));
         }
-        let decoded = decode_page(path, frame, &mut self.decoder, options)?;
-        Ok(RawFrame { damage, ..decoded })
+        Ok(RawFrame { damage, ..decode_page(path, frame, &mut self.decoder, options)? })
     }
 
     /// Damage of the page that the decoder would not report: of JPEGs, and of deflated data, whose checksum it ignores.

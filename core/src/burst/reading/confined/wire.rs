@@ -39,8 +39,7 @@ type Head<F> = ((usize, usize), F);
 
 pub fn send(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
     let text = serde_json::to_vec(value)?;
-    let length = u32::try_from(text.len()).map_err(io::Error::other)?;
-    to.write_all(&length.to_le_bytes())?;
+    to.write_all(&u32::try_from(text.len()).map_err(io::Error::other)?.to_le_bytes())?;
     to.write_all(&text)
 }
 
