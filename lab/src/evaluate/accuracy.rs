@@ -65,10 +65,7 @@ impl AccuracyStudy {
     /// This study on charts of `discs` discs that stand apart: the gap has room for surroundings and relative motion.
     pub fn standing_apart(&self, discs: usize) -> Self {
         let chart = &self.chart;
-        let axes: f64 = match chart.motion {
-            Motion::OneD => 1.0,
-            Motion::TwoD => 2.0,
-        };
+        let axes: f64 = if chart.motion == Motion::OneD { 1.0 } else { 2.0 };
         // Two slopes differ by at most twice the largest, and act over half the burst's span to either side.
         let relative_motion = 2.0 * chart.max_slope * axes.sqrt() * 0.5 * chart.uneven.count_and_span(chart.frames).1;
         let gap = (SURROUNDINGS_IN_RADII - 1.0) * chart.radius.end() + relative_motion;

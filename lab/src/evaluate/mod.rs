@@ -48,10 +48,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// Name of a motion, as on the command line.
 pub fn motion_name(motion: Motion) -> &'static str {
-    match motion {
-        Motion::OneD => "1d",
-        Motion::TwoD => "2d",
-    }
+    if motion == Motion::OneD { "1d" } else { "2d" }
 }
 
 /// Name of a motion in a text.

@@ -104,12 +104,10 @@ impl ApparentMotion {
                     next[m.a] = Some(m.b);
                 }
             }
-            chains.retain_mut(|chain| match next[chain[t - 1]] {
-                Some(index) => {
-                    chain.push(index);
-                    true
-                }
-                None => false,
+            chains.retain_mut(|chain| {
+                let linked = next[chain[t - 1]];
+                chain.extend(linked);
+                linked.is_some()
             });
         }
         let track =

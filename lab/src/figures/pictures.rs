@@ -62,9 +62,7 @@ fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f6
     let titles = ["(a) one frame: small lamps every 8 px, larger ones apart", &title];
     let (features, panel) = searched(sheet, Example::Aliasing, 34.0, wrong, titles, monitor)?;
     let is_false = |f: &&Feature| (f.slope.u - wrong.u).abs() < 0.5;
-    sheet.clipped(panel.area, |sheet| {
-        features.iter().filter(is_false).for_each(|f| panel.feature(sheet, f, WRONG));
-    });
+    sheet.clipped(panel.area, |sheet| features.iter().filter(is_false).for_each(|f| panel.feature(sheet, f, WRONG)));
     for f in &features {
         let is = match f.slope.u {
             u if (u - ALIASING_SLOPE).abs() < 0.5 => "true slope",

@@ -40,10 +40,7 @@ pub enum FigureSize {
 
 impl FigureSize {
     pub(super) fn pick<T>(self, full: T, quick: T) -> T {
-        match self {
-            Self::Full => full,
-            Self::Quick => quick,
-        }
+        if self == Self::Full { full } else { quick }
     }
 }
 

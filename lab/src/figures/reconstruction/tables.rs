@@ -199,10 +199,7 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
         }
         let area = Area { x: 76.0 + 480.0 * column as f64, y: 110.0, width: 380.0, height: 300.0 };
         let (range_x, range_y) = ranges(&all, area.width / area.height);
-        let name = match motion {
-            Motion::OneD => "sideways (1D)",
-            Motion::TwoD => "forward (2D)",
-        };
+        let name = if motion == Motion::OneD { "sideways (1D)" } else { "forward (2D)" };
         let title = if factor == 1 { name.to_owned() } else { format!("{name}, errors {factor} times as large") };
         let (label_x, label_y) = ("along the way, m", "across it, m");
         let plot = Plot { title: &title, label_x, label_y, range_x, range_y, has_dots: true, series: &all };

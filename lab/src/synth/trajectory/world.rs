@@ -47,10 +47,7 @@ pub(super) fn stations(params: &TrajectoryParams) -> Vec<(Isometry3<f64>, Vector
         let yaw = 0.6 * libm::atan2(-x, 0.8 * WALL_DEPTH - z) + jitter(0.02);
         let rotation = turn(yaw, jitter(0.02), jitter(0.03));
         let side = if index.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let heading = match params.motion {
-            Motion::OneD => Vector3::x(),
-            Motion::TwoD => Vector3::new(0.12, 0.04 * side, 0.35),
-        };
+        let heading = if params.motion == Motion::OneD { Vector3::x() } else { Vector3::new(0.12, 0.04 * side, 0.35) };
         (Isometry3::from_parts(Translation3::new(x, y, z), rotation), heading)
     };
     (0..params.bursts).map(station).collect()
