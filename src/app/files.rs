@@ -29,6 +29,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+const NO_BURST: &str = "no burst is open; open one first";
 const NO_MATCHES: &str = "there are no matches; open a second burst and press Match first";
 
 pub(super) fn question(purpose: Purpose, model: Read<'_>) -> Question {
@@ -53,9 +54,7 @@ fn suggested_name(purpose: Purpose, model: Read<'_>) -> String {
     let burst = model.burst_of(side).map_or("burst", |b| b.burst.name.as_str());
     let stem = Path::new(burst).file_stem().map_or("burst".into(), |s| s.to_string_lossy());
     match purpose {
-        Purpose::ExportDatabase => {
-            feature_folder(model).map_or_else(String::new, |folder| folder.display().to_string())
-        }
+        Purpose::ExportDatabase => feature_folder(model).map_or_else(String::new, |path| path.display().to_string()),
         Purpose::SaveSession => format!("{stem}.burstscope.toml"),
         Purpose::SaveParams => "params.toml".to_owned(),
         Purpose::Export(kind) => {
@@ -174,9 +173,7 @@ type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 fn prepare(purpose: Purpose, lesson: Option<&Lesson>, model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> {
     match purpose {
         Purpose::SaveParams => Ok(settings_work(model.asked().to_toml())),
-        Purpose::SaveSession => {
-            Ok(settings_work(Session::of(model).ok_or("no burst is open; open one first")?.to_toml()))
-        }
+        Purpose::SaveSession => Ok(settings_work(Session::of(model).ok_or(NO_BURST)?.to_toml())),
         Purpose::Export(ExportKind::Csv) => features_work(model, ExportFormat::Csv),
         Purpose::Export(ExportKind::Colmap) => features_work(model, ExportFormat::Colmap),
         Purpose::Export(ExportKind::Npz) => features_work(model, ExportFormat::Npz),
@@ -222,7 +219,7 @@ fn settings_work(toml: String) -> Work {
 }
 
 fn case_work(model: Read<'_>) -> Result<Work, String> {
-    let open = model.results.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
+    let open = model.results.slots.a.burst.clone().ok_or(NO_BURST)?;
     let place = model.probed_place().filter(|_| model.document.probe.side == Side::A);
     let answer = model.results.probed.answer.as_ref().filter(|_| place.is_some());
     let note = answer.map_or_else(String::new, |answer| answer.probe.summary.clone());
@@ -296,7 +293,7 @@ fn profile_work(model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> 
 }
 
 fn mask_work(model: Read<'_>) -> Result<Work, String> {
-    let open = model.results.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
+    let open = model.results.slots.a.burst.clone().ok_or(NO_BURST)?;
     let outlines = model.document.measure.hidden.clone();
     Ok(work(move |path| {
         let greys = mask_of(&open.burst, &outlines);

@@ -121,10 +121,8 @@ impl Offscreen {
                 self.draw()?
             }
         };
-        match failure(&self.context).filter(|newest| before.as_ref() != Some(newest)) {
-            Some((_, why)) => Err(Error::new(ErrorKind::NoMemory, why, "")),
-            None => Ok(drawn),
-        }
+        let failed = failure(&self.context).filter(|newest| before.as_ref() != Some(newest));
+        failed.map_or(Ok(drawn), |(_, why)| Err(Error::new(ErrorKind::NoMemory, why, "")))
     }
 
     fn draw(&self) -> Result<RgbaImage, Error> {

@@ -81,9 +81,7 @@ pub(super) fn run(args: &ColmapArgs) -> Outcome {
     // An event returns no error: a closed output is kept until the work is done.
     let mut said = Ok(());
     let mut on = |event: BurstEvent<'_>| match event {
-        BurstEvent::Begin(index) => {
-            console.begin(format!("[{}/{}] {}: ", index + 1, bursts.len(), bursts[index].name));
-        }
+        BurstEvent::Begin(index) => console.begin(format!("[{}/{}] {}: ", index + 1, bursts.len(), bursts[index].name)),
         BurstEvent::Done(_, burst) => {
             let from = if burst.resumed { ", from an earlier run" } else { "" };
             let slopes = burst.slopes.as_ref().map_or(String::new(), |found| format!("; slopes {}", found.summary()));

@@ -58,10 +58,7 @@ JSON (--json) of INPUT:
      \"matches\": null or {\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\"}}]}";
 
 pub(super) fn run(args: &FramesArgs) -> Outcome {
-    match &args.input {
-        None => charts(args),
-        Some(input) => burst(args, input),
-    }
+    args.input.as_ref().map_or_else(|| charts(args), |input| burst(args, input))
 }
 
 fn rules(args: &FramesArgs, inputs: &[Input]) -> OutputRules {

@@ -233,10 +233,8 @@ impl Film {
         let mut planes = Vec::with_capacity(group.len());
         for index in group.clone() {
             monitor.check()?;
-            planes.push(match prepared.planes[index].take() {
-                Some(plane) => plane,
-                None => self.plane(&prepared.steps[index], monitor)?,
-            });
+            let kept = prepared.planes[index].take().map(Ok);
+            planes.push(kept.unwrap_or_else(|| self.plane(&prepared.steps[index], monitor))?);
         }
         let prepared = &*prepared;
         let picture = |(index, plane): (usize, &Plane)| -> Result<RgbaImage, Error> {
@@ -348,10 +346,7 @@ impl Film {
         let grid = self.params.used_slopes();
         let all = self.detection.iter().flat_map(|detection| &detection.features);
         let (scale, slope) = (step.scale, step.slope);
-        all.filter(move |feature| match scale {
-            Some(scale) => feature.scale() == scale,
-            None => is_at_slope(&grid, feature, slope),
-        })
+        all.filter(move |feature| scale.map_or_else(|| is_at_slope(&grid, feature, slope), |at| feature.scale() == at))
     }
 }
 

@@ -80,8 +80,6 @@ pub(super) fn text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String,
 }
 
 pub(super) fn finite<const N: usize>(numbers: [f32; N]) -> Result<[f32; N], String> {
-    match numbers.iter().find(|x| !x.is_finite()) {
-        Some(x) => Err(format!("{x} is not a finite number; give one")),
-        None => Ok(numbers),
-    }
+    let wrong = numbers.iter().find(|x| !x.is_finite());
+    wrong.map_or(Ok(numbers), |x| Err(format!("{x} is not a finite number; give one")))
 }

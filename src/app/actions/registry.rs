@@ -140,10 +140,7 @@ pub fn checked(id: ActionId, model: Read<'_>) -> Option<bool> {
 
 impl ActionId {
     pub fn shown(self) -> Option<ViewKind> {
-        match self.action().does {
-            Some(Does::Show(kind)) => Some(kind),
-            _ => None,
-        }
+        if let Some(Does::Show(kind)) = self.action().does { Some(kind) } else { None }
     }
 
     pub fn action(self) -> &'static ActionRow {
@@ -151,10 +148,7 @@ impl ActionId {
     }
 
     pub fn word(self) -> Option<&'static Word> {
-        match self {
-            Self::LayoutSlice => glossary().of_picture("slice"),
-            _ => glossary().of_picture(self.shown()?.key()),
-        }
+        glossary().of_picture(if self == Self::LayoutSlice { "slice" } else { self.shown()?.key() })
     }
 }
 

@@ -176,9 +176,7 @@ pub(super) fn take_dataset_answer(model: &mut Model, answer: Ended<DatasetReques
         Ok(DatasetAnswer::Matched { left_out }) => say_what_matched(model, left_out, answer.elapsed.as_secs_f64()),
         #[cfg(feature = "colmap")]
         Ok(DatasetAnswer::Colmap(done)) => say_what_was_exported(model, &done),
-        Err(JobError::Cancelled) => {
-            model.shell.messages.note(format!("{title}: cancelled; what is done stays done"));
-        }
+        Err(JobError::Cancelled) => model.shell.messages.note(format!("{title}: cancelled; what is done stays done")),
         Err(error) => model.shell.messages.error(title, error.to_string()),
     }
     // The states told of the folder that was written; those of the dataset's own are looked at again.

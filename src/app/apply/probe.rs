@@ -49,9 +49,7 @@ pub(super) fn take_probed_trail(model: &mut Model, ended: Ended<DetectionSource>
     match ended.result {
         Ok(traced) if Some(traced.burst) == open => take_trail(model, traced),
         Ok(_) => {}
-        Err(JobError::Cancelled) => {
-            model.results.probed.problem = Some("Cancelled; probe the place again".to_owned());
-        }
+        Err(JobError::Cancelled) => model.results.probed.problem = Some("Cancelled; probe the place again".to_owned()),
         Err(error) => model.results.probed.problem = Some(error.to_string()),
     }
 }

@@ -52,10 +52,7 @@ pub(in crate::app) fn open_planted(model: &mut Model, engine: &Engine) {
     let Some((study, _)) = model.results.studies.recovered() else { return };
     let Some(open) = &model.results.slots.a.burst else { return };
     // From within a copy, the next one is of the same burst.
-    let of = match &open.source {
-        BurstSource::Planted { of, .. } => of.clone(),
-        source => Box::new(source.clone()),
-    };
+    let of = if let BurstSource::Planted { of, .. } = &open.source { of.clone() } else { open.source.clone().into() };
     let source = BurstSource::Planted { of, study: Box::new(study.clone()), seed: one.seed };
     let place = [one.truth.u as f32, one.truth.v as f32];
     model.document.open_workspace(Workspace::Inspect);

@@ -135,10 +135,8 @@ pub fn path_from_text(text: &str) -> PathBuf {
     let text = text.trim();
     let unquoted = ['"', '\''].iter().find_map(|q| text.strip_prefix(*q)?.strip_suffix(*q)).unwrap_or(text);
     let plain = unquoted.strip_prefix("file://").unwrap_or(unquoted);
-    match (plain.strip_prefix("~/"), std::env::home_dir()) {
-        (Some(rest), Some(home)) => home.join(rest),
-        _ => PathBuf::from(plain),
-    }
+    let below_home = plain.strip_prefix("~/").zip(std::env::home_dir());
+    below_home.map_or_else(|| PathBuf::from(plain), |(rest, home)| home.join(rest))
 }
 
 #[derive(Debug, Clone)]

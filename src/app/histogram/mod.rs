@@ -119,10 +119,8 @@ impl HistogramPanel {
         let whole = Region::whole(&picture.drawn);
         let data_range = *self.data_range.get(picture.id, || summary(&picture.drawn, &whole).range());
         // While a handle is dragged the axis stays.
-        let axis = match self.axis {
-            Some(axis) if self.drag.is_some() || axis_fits(axis, data_range, display) => axis,
-            _ => axis_for(data_range, display),
-        };
+        let kept = self.axis.filter(|axis| self.drag.is_some() || axis_fits(*axis, data_range, display));
+        let axis = kept.unwrap_or_else(|| axis_for(data_range, display));
         self.axis = Some(axis);
         let counted = || histogram(&picture.drawn, &whole, axis.min, axis.max, BINS);
         (axis, self.counts.get((picture.id, axis), counted).clone())

@@ -91,10 +91,8 @@ fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> 
     } else {
         long.clone()
     };
-    let text = match model.document.panes.number(id).filter(|_| many) {
-        Some(number) => format!("{number}   {text}"),
-        None => text,
-    };
+    let number = model.document.panes.number(id).filter(|_| many);
+    let text = number.map_or_else(String::new, |number| format!("{number}   ")) + &text;
     let sense = if many { Sense::click_and_drag() } else { Sense::click() };
     let label = ui.add(Label::new(RichText::new(&text).strong()).truncate().selectable(false).sense(sense));
     let label = label.on_hover_text(if many { format!("{long}\nDrag it to put this pane elsewhere") } else { long });

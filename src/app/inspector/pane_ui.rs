@@ -48,10 +48,7 @@ pub(super) fn picture_ui(
     queue: &mut Queue,
 ) -> Drawn {
     let name = canvas_name(model, id);
-    let shown = match model.document.panes.over(id) {
-        Some(Over::Flip { other, flipped: true }) => other,
-        _ => id,
-    };
+    let shown = if let Some(Over::Flip { other, flipped: true }) = model.document.panes.over(id) { other } else { id };
     widgets.of(shown).picture.refresh(model.drawn_in(shown));
     let problem = model.problem_of(shown);
     let before = model.pane(id).map(|pane| pane.view).unwrap_or_default();

@@ -82,10 +82,8 @@ fn side(model: Read<'_>, pane: &Pane) -> String {
 }
 
 fn what(model: Read<'_>, pane: &Pane, id: PaneId, tiny: bool) -> String {
-    let cursor = match model.burst_in(pane) {
-        Some(open) => pane.cursor_within(open, &model.params_in(pane)),
-        None => pane.cursor,
-    };
+    let within = |open| pane.cursor_within(open, &model.params_in(pane));
+    let cursor = model.burst_in(pane).map_or(pane.cursor, within);
     let slope = format!("({}, {})", canvas::number(cursor.slope.u, 3), canvas::number(cursor.slope.v, 3));
     let number = |id: PaneId| model.document.panes.number(id).unwrap_or(0);
     // The input of some methods is no motion stack.

@@ -97,10 +97,8 @@ pub(super) fn snr_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, spot: S
 /// Number of frames in the shown picture; 1 for a single frame.
 fn frames_shown(model: Read<'_>) -> usize {
     let pane = model.document.focused();
-    match pane.content {
-        crate::app::pane::Content::Cursor if pane.cursor.kind == ViewKind::Frame => 1,
-        _ => model.document.params.used_frames(model.frame_count()).len(),
-    }
+    let is_frame = pane.content == crate::app::pane::Content::Cursor && pane.cursor.kind == ViewKind::Frame;
+    if is_frame { 1 } else { model.document.params.used_frames(model.frame_count()).len() }
 }
 
 fn frames_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, queue: &mut Queue) {

@@ -113,10 +113,8 @@ impl FeatureLayer {
     pub fn draws(&self, row: &Row) -> bool {
         let Some(slope) = self.slope.filter(|_| self.only_slope) else { return true };
         let is_at = |own| is_at_slope(&self.detection.slopes, &Feature { slope: own, ..Feature::default() }, slope);
-        match row.feature.and_then(|feature| self.elsewhere.get(feature)) {
-            Some(elsewhere) => !elsewhere,
-            None => row.slope.is_none_or(is_at),
-        }
+        let elsewhere = row.feature.and_then(|feature| self.elsewhere.get(feature));
+        elsewhere.map_or_else(|| row.slope.is_none_or(is_at), |elsewhere| !elsewhere)
     }
 
     /// Whether the feature moves by another slope than that of the picture, in which it is blurred then.

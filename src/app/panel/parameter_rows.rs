@@ -162,10 +162,7 @@ fn frames_ui(ui: &mut Ui, frames: &mut Option<FrameRange>, label: Id, frame_coun
 fn gate_ui(ui: &mut Ui, gate: &mut NoiseGate, drag: &Drag, label: Id) {
     /// First value when switching to a factor: about that of the automatic gate for a small search.
     const FIRST_FACTOR: f32 = 4.5;
-    let mut factor = match gate {
-        NoiseGate::Factor(factor) => *factor,
-        _ => FIRST_FACTOR,
-    };
+    let mut factor = if let NoiseGate::Factor(factor) = gate { *factor } else { FIRST_FACTOR };
     let names = [
         (NoiseGate::Auto, "Auto"),
         (NoiseGate::Matching, "Matching"),

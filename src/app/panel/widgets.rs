@@ -183,10 +183,7 @@ pub fn draw_plane(
     textures.retain(|_, (.., last)| *last + KEPT_PASSES > pass);
     let dark = ui.visuals().dark_mode;
     let values = values.map(|(of, square, plane)| ((of, square, display, dark), plane));
-    let is_right = |(key, _, last): &Drawn| match &values {
-        Some((wanted, _)) => key == wanted,
-        None => *last + 1 >= pass,
-    };
+    let is_right = |(key, _, last): &Drawn| values.as_ref().map_or(*last + 1 >= pass, |(wanted, _)| key == wanted);
     let kept = textures.remove(name).filter(is_right).map(|(key, texture, _)| (key, texture));
     let made = || values.map(|(key, plane)| (key, texture_of(ui, name, &plane(), &display)));
     if let Some((key, texture)) = kept.or_else(made) {

@@ -65,10 +65,7 @@ impl Compare {
 impl<'a> Read<'a> {
     /// Burst that `method` searches on `side`: the open one, or the gold standard's image.
     pub fn method_burst(self, method: MethodId, side: Side) -> Option<&'a OpenBurst> {
-        match method {
-            MethodId::Gold => self.results.compare.gold[side].as_ref(),
-            _ => self.burst_of(side),
-        }
+        if method == MethodId::Gold { self.results.compare.gold[side].as_ref() } else { self.burst_of(side) }
     }
 
     pub fn method_params(self, method: MethodId, side: Side) -> DetectorParams {

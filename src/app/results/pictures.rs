@@ -76,9 +76,7 @@ impl<'a> Read<'a> {
     pub fn sweep(self) -> (usize, usize, Box<dyn Fn(usize) -> Action + 'a>) {
         let (id, cursor, params) = (self.document.focus(), *self.document.cursor(), self.cursor_params());
         match self.played() {
-            PlayOver::Frames => {
-                (self.focused_frame_count(), cursor.frame, Box::new(move |frame| Action::PlayFrame(id, frame)))
-            }
+            PlayOver::Frames => (self.focused_frame_count(), cursor.frame, Box::new(move |t| Action::PlayFrame(id, t))),
             PlayOver::Scales => {
                 let of_octave = |octave| (0..params.levels as i32).map(move |level| (octave, level));
                 let scales: Vec<(i32, i32)> = octave_range(params, self.focused_size()).flat_map(of_octave).collect();
@@ -145,15 +143,11 @@ impl<'a> Read<'a> {
 
     /// Whether `picture` is of the burst that `pane` shows; the difference of two panes may be of any open burst.
     pub fn fits(self, pane: &Pane, picture: &PictureAnswer) -> bool {
-        let is_open = |burst: &OpenBurst| {
-            self.document.panes.iter().any(|(_, pane)| self.burst_in(pane).is_some_and(|open| open.id == burst.id))
-        };
+        let is_of = |pane: &Pane| self.burst_in(pane).is_some_and(|open| open.id == picture.request.burst.id);
         match pane.content {
-            Content::Difference(..) => is_open(&picture.request.burst),
+            Content::Difference(..) => self.document.panes.iter().any(|(_, pane)| is_of(pane)),
             Content::Slice(_) => false,
-            Content::Cursor | Content::Merge | Content::Map(_) => {
-                self.burst_in(pane).is_some_and(|open| open.id == picture.request.burst.id)
-            }
+            Content::Cursor | Content::Merge | Content::Map(_) => is_of(pane),
         }
     }
 
@@ -189,10 +183,7 @@ impl<'a> Read<'a> {
 
     /// The burst that `pane` shows; where methods are compared that may be the gold standard.
     pub fn burst_in(self, pane: &Pane) -> Option<&'a OpenBurst> {
-        match pane.method {
-            Some(method) => self.method_burst(method, pane.side),
-            None => self.burst_of(pane.side),
-        }
+        pane.method.map_or_else(|| self.burst_of(pane.side), |method| self.method_burst(method, pane.side))
     }
 
     pub fn params_in(self, pane: &Pane) -> Cow<'a, DetectorParams> {

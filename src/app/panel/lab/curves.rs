@@ -222,10 +222,7 @@ fn plot_ui(
 fn draw_curve(area: &mut PlotUi<'_>, model: Read<'_>, one: &Drawn, marks_points: bool, colour: Color32) {
     let points = &one.curve.line.points;
     let line: PlotPoints<'_> = points.iter().map(|point| [point.x, point.y]).collect();
-    let style = match one.set {
-        LabSet::Current => LineStyle::Solid,
-        LabSet::Kept(_) => LineStyle::dashed_dense(),
-    };
+    let style = if one.set == LabSet::Current { LineStyle::Solid } else { LineStyle::dashed_dense() };
     area.line(Line::new(one.name.clone(), line).color(colour).width(1.6).style(style));
     for point in points.iter().filter(|point| point.y.is_finite()) {
         if let Some([low, high]) = point.spread {

@@ -167,10 +167,8 @@ fn within_scales(map: &ResponseMap) -> Plane {
 /// Slope and σ of a candidate: refined, if it became a feature, otherwise those of its sample.
 fn refined(answer: &Probed, fate: &Fate) -> (Slope, f32) {
     let features = &answer.request.traced.cache.detection().features;
-    match fate.features.first().and_then(|&index| features.get(index)) {
-        Some(feature) => (feature.slope, feature.sigma),
-        None => (fate.slope, fate.sigma),
-    }
+    let feature = fate.features.first().and_then(|&index| features.get(index));
+    feature.map_or((fate.slope, fate.sigma), |feature| (feature.slope, feature.sigma))
 }
 
 /// Space for the numbers beside and below a map, and for the bar of its colours on the right, points.

@@ -84,10 +84,7 @@ impl Matches {
     }
 
     pub fn detection(&self, side: Side) -> &Arc<Detection> {
-        match side {
-            Side::A => &self.request.a,
-            Side::B => &self.request.b,
-        }
+        if side == Side::A { &self.request.a } else { &self.request.b }
     }
 
     pub fn is_of(&self, side: Side, detection: &Arc<Detection>) -> bool {
