@@ -227,9 +227,7 @@ fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {
     }
     for found in report.methods.iter().filter_map(|row| row.slopes_found.as_ref()) {
         text += "slopes found (min:max:count, px/frame)\n";
-        for (name, slopes) in report.bursts.iter().zip(found) {
-            text += &format!("  {name}: {}\n", grid_text(slopes));
-        }
+        text.extend(report.bursts.iter().zip(found).map(|(name, slopes)| format!("  {name}: {}\n", grid_text(slopes))));
     }
     let by_angle = report.truth.as_ref().map_or_else(String::new, |truth| {
         let unknown = counted(truth.pairs.iter().filter(|(angle, _)| angle.is_none()).count(), "pair");

@@ -83,12 +83,8 @@ pub(super) fn burst_frames_text(report: &BurstFramesReport) -> String {
          features of all frames: {} (orientations of one keypoint count once)\n",
         report.burst, grid.u, grid.v, report.features
     );
-    if let Some(discs) = report.discs {
-        text += &format!("discs known: {discs}\n");
-    }
-    if let Some(second) = &report.second {
-        text += &format!("matched with as many middle frames of {second}\n");
-    }
+    text.extend(report.discs.map(|discs| format!("discs known: {discs}\n")));
+    text.extend(report.second.iter().map(|second| format!("matched with as many middle frames of {second}\n")));
     let heads = ["frames", "features", "confirmed", "not", "discs", "false", "putative", "inliers"];
     let mut table = burst_frames_table(report).headed(&heads);
     // Truth and second burst may be missing: a column without any value is left out.

@@ -39,13 +39,9 @@ pub(super) fn run(args: &ProbeArgs) -> Outcome {
         probe_figure(&answer, &input.name).write(path)?;
     }
     let mut text = String::new();
-    if let Some(finding) = &cache.finding {
-        text += &format!("slopes {}\n", finding.summary());
-    }
+    text.extend(cache.finding.iter().map(|finding| format!("slopes {}\n", finding.summary())));
     text += &probe_text(&answer, &input.name);
-    if let Some(path) = &args.plot {
-        text += &format!("wrote {}\n", path.display());
-    }
+    text.extend(args.plot.iter().map(|path| format!("wrote {}\n", path.display())));
     console.say(&text)?;
     let (width, height) = burst.size();
     let other = document! {

@@ -180,9 +180,7 @@ fn page(records: &[KeptFigure], size: FigureSize) -> String {
         let (name, title) = (record.figure.name(), Escaped(record.figure.title()));
         html += &format!("<h2 id=\"{name}\">{title}</h2>\n<p>{}</p>\n", Escaped(record.figure.caption()));
         html += &format!("<p><a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"{title}\"></a></p>\n");
-        for note in &record.notes {
-            html += &format!("<p class=\"note\">{}</p>\n", Escaped(note));
-        }
+        html.extend(record.notes.iter().map(|note| format!("<p class=\"note\">{}</p>\n", Escaped(note))));
         html += &format!(
             "<p class=\"note\"><a href=\"{name}.csv\">{name}.csv</a>: the numbers. Made in {:.0} s.</p>\n",
             record.seconds.max(1.0)

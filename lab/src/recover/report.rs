@@ -367,9 +367,7 @@ impl RecoverReport {
                 "  the SNR of which half are found is not among those planted; noise and gate let expect {expected}\n"
             ),
         };
-        if let Some(outlook) = self.outlook() {
-            text += &format!("  {outlook}\n");
-        }
+        text.extend(self.outlook().map(|outlook| format!("  {outlook}\n")));
         for (varied, name) in [(Varied::Snr, "SNR"), (Varied::Slope, "slope"), (Varied::Size, "radius")] {
             text += &format!("  {name:>8}  planted  found     share  expected\n");
             for share in self.shares_over(varied) {
