@@ -280,9 +280,8 @@ mod tests {
             points_per_image: Some(50.0),
             absolute: Some([0.02, 1.0]),
             relative: Some([0.01, 0.5]),
-            centres: Vec::new(),
             mapper_secs: 4.0,
-            gave_up: None,
+            ..Reconstructed::default()
         };
         let none = Reconstructed { gave_up: Some("ERROR: no pair".into()), ..Reconstructed::default() };
         let runs = [
@@ -318,15 +317,8 @@ mod tests {
             centres: vec![(0, [0.0, 0.0, 0.0]), (2, [2.0, 0.01, 0.0])],
             ..Reconstructed::default()
         };
-        let run = Run {
-            motion: Motion::OneD,
-            seed: 1,
-            method: BurstMethod::Gold,
-            bursts: 3,
-            matched: Matched::default(),
-            reconstructed: Some(model),
-            true_centres: vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]],
-        };
+        let true_centres = vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+        let run = Run { true_centres, ..run(Motion::OneD, 1, BurstMethod::Gold, Some(model)) };
         let made = trajectories(&[run], None);
         let rows: Vec<&str> = made.csv.lines().filter(|line| line.starts_with("1d,gold")).collect();
         assert_eq!(rows, ["1d,gold,0,0.000000,0.000000,0.000000", "1d,gold,2,2.000000,0.010000,0.000000"]);
