@@ -446,8 +446,8 @@ def colmap(
     -------
     dict
         What ``burstscope colmap --json`` says of cameras, images, pairs, how far keypoints were moved, in
-        ``implied`` how many inliers are known by matches with other bursts alone, and in ``no_start`` why a mapper
-        would not be able to start, or ``None``.
+        ``beside`` and ``implied`` how many inliers are known by the pictures beside others, and by matches with
+        other bursts alone, and in ``no_start`` why a mapper would not be able to start, or ``None``.
 
     Raises
     ------

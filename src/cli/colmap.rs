@@ -152,8 +152,11 @@ fn summary(report: &ColmapReport, features: &FeatureJob) -> String {
         counted(inliers, "inlier"),
         counted(verified, "verified pair"),
     );
-    if report.implied > 0 {
-        text += &format!("{} known by matches with other bursts alone\n", counted(report.implied, "inlier"));
+    for (count, how) in [
+        (report.beside, "found beside others by their pictures"),
+        (report.implied, "known by matches with other bursts alone"),
+    ] {
+        text.extend((count > 0).then(|| format!("{} {how}\n", counted(count, "inlier"))));
     }
     text += &joined_text(&report.joined);
     if let Some(Moved { share, median_px: Some(median), max_px: Some(max), refused }) = report.moved {
@@ -252,6 +255,7 @@ JSON (--json):
    \"joined\": by verified pairs, {\"parts\": [[burst]], the largest first, \"alone\": [burst], \"refused_by_motions\": pairs, \"refused_by_pictures\": pairs,
    \"refused_by_tracks\": pairs},
    \"moved\": null without an alignment, or {\"share\": of the keypoints, \"median_px\", \"max_px\", \"refused\": keypoints that stay as found},
+   \"beside\": inliers, of all pairs, that the pictures beside other inliers show and no descriptor,
    \"implied\": inliers, of all pairs, that the matches of both with other images imply,
    \"no_start\": null, or why a mapper will not be able to start from the database,
    \"gathered\": with --gather, {\"brought\": [burst], \"left_out\": [{\"folder\", \"burst\", \"reason\"}], \"strange_folders\": [path]},

@@ -110,7 +110,7 @@ fn a_pair_that_is_not_whole_or_of_other_bursts_is_matched_again() {
     let (_, first) = reconstruct(home, &bursts(0..3), "rec", &[]);
     let file = pair_file(home, 0, 2);
     let whole = fs::read(&file).expect("a pair");
-    assert!(whole.starts_with(b"Burstscope pair 1\n{"));
+    assert!(whole.starts_with(b"Burstscope pair 2\n{"));
     let changed = |at: usize| {
         let mut bytes = whole.clone();
         bytes[at] ^= 4;
@@ -127,6 +127,8 @@ fn a_pair_that_is_not_whole_or_of_other_bursts_is_matched_again() {
         changed(whole.len() / 2),
         changed(whole.len() - 1),
         of_others,
+        // As an earlier program wrote it.
+        [b"Burstscope pair 1\n", &whole[18..]].concat(),
     ];
     for (index, bytes) in wrong.iter().enumerate() {
         fs::write(&file, bytes).expect("written");
@@ -151,14 +153,17 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
     assert_eq!(ids, [&serde_json::json!([1, 2]), &serde_json::json!([3, 4])]);
     let parts = serde_json::json!([["burst_000", "burst_001"], ["burst_002", "burst_003"]]);
     assert_eq!((&json["joined"]["parts"], &json["joined"]["alone"]), (&parts, &serde_json::json!([])));
+    assert_eq!((&json["beside"], &json["implied"]), (&0.into(), &0.into()), "no third burst sees what a pair sees");
     let line = [&["colmap", "way/bursts", "--out", "rec", "--pairs"][..], &["list.txt"], &SEARCH].concat();
     let text = home.run_well(&line);
     assert!(text.contains("4 images, 2 pairs, 2 from an earlier run: "), "{text}");
     assert!(text.contains("verified pairs join 2 of 4 images, and apart from them 2 others\n"), "{text}");
     let (json, _) = reconstruct(home, &bursts(0..4), "rec", &[]);
     assert_eq!(resumed(&json), [[1, 2], [3, 4]]);
-    // Of four bursts some matches are known by those with the others alone, and count among the matches of their pair.
-    assert!(json["implied"].as_u64().is_some_and(|implied| implied > 0), "{}", json["implied"]);
+    // Of four bursts some matches are known by pictures or by other bursts alone, and count among those of their pair.
+    for how in ["beside", "implied"] {
+        assert!(json[how].as_u64().is_some_and(|count| count > 0), "{how}: {}", json[how]);
+    }
     let counts = |pair: &Value| ["inliers", "putative"].map(|key| pair[key].as_u64());
     assert!(json["pairs"].as_array().expect("pairs").iter().map(counts).all(|[inliers, all]| inliers <= all), "{json}");
     let text = home.run_well(&[&["colmap", "way/bursts", "--out", "rec"][..], &SEARCH].concat());

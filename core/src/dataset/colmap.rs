@@ -3,33 +3,39 @@
 //! `images/NAME.png` shows each burst, `features/NAME.png.txt` holds its features in the form of COLMAP's importer, and
 //! `database.db` cameras, images, features, matches and verified geometries. Finished bursts and matched pairs are not
 //! computed again; the places on which all pairs agree are. Features are in memory only while they are found or
-//! matched: memory does not grow with the bursts.
+//! matched: memory does not grow with the bursts. [`read_exported`] reads the report of such a folder.
 
 use super::camera::{BurstCameras, CameraChoice};
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
-use super::kept_pairs::{KeptPairs, PairFound, PairedImage};
+use super::joint::{Agreed, Joint, Waiting};
+use super::kept::pairs_folder;
+use super::kept_pairs::{KeptPairs, PairFound, PairedImage, why_refused};
 use super::pairs::{BurstSide, DetectedBurst, PairSource, for_pairs, seen_part};
 use super::report::{CameraReport, ColmapReport, ImageReport, Joined, PairReport};
 use crate::burst::{Burst, BurstFiles};
 use crate::detector::{Descriptor, DetectorParams, SearchParams};
 use crate::error::{Error, ErrorKind, Result};
 use crate::export::{
-    ColmapKeypoint, DatabaseGeometry, DatabaseWriter, GeometryKind, make_file_names_unique, write_colmap_database,
+    ColmapKeypoint, DatabaseGeometry, DatabaseWriter, GeometryKind, make_file_names_unique, safe_file_name,
+    write_colmap_database,
 };
+use crate::files::{mark::has_mark, open_database};
 use crate::matching::aligned::{Alignment, Inlier, Seen};
-use crate::matching::tracks::{Tracks, consistent};
+use crate::matching::params::doc;
+use crate::matching::tracks::Tracks;
 use crate::matching::{
-    Blob, Camera, Geometry, MatchCounts, MatchParams, MatchSide, PairSelection, Refusal, TwoViewModel, Verification,
+    Blob, Camera, Geometry, MatchCounts, MatchParams, MatchSide, PairSelection, Refusal, TwoViewModel, beside,
     match_features,
 };
-use crate::matching::{align::Measured, params::doc};
 use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 use rayon::prelude::*;
+use rusqlite::Row;
 use serde_json::{Value, json};
-use std::{collections::BTreeMap, path::Path};
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
 
-pub(super) const DATABASE_FILE: &str = "database.db";
+const DATABASE_FILE: &str = "database.db";
 
 /// Parameters of an export.
 #[derive(Debug, Clone, PartialEq)]
@@ -174,7 +180,7 @@ fn write_database(
         let resumed = match_all(database, (pairs, &blobs), matching, (&kept, open), monitor)?;
         let waiting = add_pairs(database, pairs, matching, (&kept, &resumed), &mut report)?;
         match matching.aligns() {
-            true => align_all(database, (pairs, &waiting), (&blobs, seen), &kept, &mut report, monitor),
+            true => align_all(database, (pairs, waiting), (&blobs, seen), &kept, &mut report, monitor),
             false => Ok(()),
         }
     })?;
@@ -208,13 +214,6 @@ fn add_burst(
     Ok(())
 }
 
-/// A verified pair that waits for the solution: indices of its images, geometry, and inliers with their measurements.
-struct Waiting {
-    images: (usize, usize),
-    model: Option<TwoViewModel>,
-    inliers: Vec<(Inlier, Option<Measured>)>,
-}
-
 struct InDatabase<'a, 'b> {
     database: &'a DatabaseWriter<'b>,
     blobs: &'a [Vec<Blob>],
@@ -245,7 +244,9 @@ fn match_all(
     let missing = pairs.iter().zip(&resumed).filter(|(_, resumed)| !**resumed).map(|(pair, _)| *pair);
     let missing: Vec<(usize, usize)> = missing.collect();
     let keep = |pair, sides: [MatchSide<'_>; 2]| {
-        kept.keep(pair, PairFound::of(&match_features(sides, &kept.matching(pair), &monitor.silent())?))
+        let (params, silent) = (kept.matching(pair), monitor.silent());
+        let found = match_features(sides, &params, &silent)?;
+        kept.keep(pair, PairFound::of(&found, beside(sides, &found, &params, &silent)?))
     };
     let mut source = InDatabase { database, blobs, open };
     for_pairs::<Error, ()>(&missing, matching, &mut source, (&keep, &mut |_| Ok(())), monitor)?;
@@ -264,7 +265,7 @@ fn add_pairs(
 ) -> Result<Vec<Waiting>> {
     let mut waiting = Vec::new();
     for (&images, &resumed) in pairs.iter().zip(resumed) {
-        let PairFound { matches, inliers, model, refused } = kept.take(images)?;
+        let PairFound { matches, inliers, beside, model, refused } = kept.take(images)?;
         let [a, b] = [&report.images[images.0], &report.images[images.1]];
         let (keypoints_a, keypoints_b, found) = (a.features, b.features, Some(inliers.len()));
         let putative = matches.len();
@@ -277,7 +278,7 @@ fn add_pairs(
         }
         database.add_matches(a, b, &matches)?;
         if matching.aligns() && model.is_some() {
-            waiting.push(Waiting { images, model, inliers });
+            waiting.push(Waiting { images, model, inliers, beside });
             continue;
         }
         let places =
@@ -289,10 +290,11 @@ fn add_pairs(
     Ok(waiting)
 }
 
-/// Aligns the places of all images, and adds the geometries of the pairs at these with the matches that others imply.
+/// Aligns the places of all images, and adds the geometries of the pairs at these, with the matches beside inliers and
+/// those that others imply.
 fn align_all(
     database: &mut DatabaseWriter<'_>,
-    (pairs, waiting): (&[(usize, usize)], &[Waiting]),
+    (pairs, mut waiting): (&[(usize, usize)], Vec<Waiting>),
     (blobs, seen): (&[Vec<Blob>], Vec<Seen>),
     kept: &KeptPairs<'_>,
     report: &mut ColmapReport,
@@ -304,37 +306,24 @@ fn align_all(
         let (keypoints, _) = database.features(id)?;
         alignment.add_image(keypoints.iter().map(ColmapKeypoint::pos_image).collect(), blobs, Some(seen));
     }
-    // Links are numbered over all pairs, as the solution returns residuals by link.
-    let mut linked: Vec<Vec<(Inlier, Option<usize>)>> = Vec::with_capacity(waiting.len());
-    for Waiting { images, inliers, .. } in waiting {
-        let mut link = |m: &Inlier, measured| alignment.add_match(*images, (m.a as usize, m.b as usize), measured);
-        linked.push(inliers.iter().map(|(m, measured)| (*m, measured.map(|measured| link(m, measured)))).collect());
+    let mut joint = Joint::of(&mut alignment, &waiting, kept, monitor)?;
+    if joint.add_beside(&mut waiting) {
+        joint = Joint::of(&mut alignment, &waiting, kept, monitor)?;
     }
-    let aligned = alignment.solve(monitor)?;
+    let Joint { aligned, mut found } = joint;
     report.moved = Some(aligned.moved);
-    let confirmed = |(Waiting { images, model, .. }, inliers): (&Waiting, &Vec<_>)| {
-        aligned.confirmed(*images, model.as_ref(), inliers, &kept.matching(*images), &monitor.silent())
-    };
-    let confirmed: Vec<_> = waiting.par_iter().zip(&linked).map(confirmed).collect::<Result<_>>()?;
     // Features move first: geometries are of the places in the database.
     for (&id, places) in ids.iter().zip(&aligned.places) {
         database.move_features(id, places)?;
     }
-    let agreed = |(Waiting { images, inliers, .. }, verified): (&Waiting, Option<Verification>)| {
-        let Verification { model, inlier, .. } = verified?;
-        let agreed = inliers.iter().zip(inlier).filter(|(_, inlier)| *inlier).map(|((m, _), _)| *m);
-        Some((*images, (model, agreed.collect())))
-    };
-    let mut found: BTreeMap<(usize, usize), (Option<TwoViewModel>, Vec<Inlier>)> =
-        waiting.iter().zip(confirmed).filter_map(agreed).collect();
-    let pairs_found: Vec<_> = found.iter().map(|(images, (_, inliers))| (*images, &inliers[..])).collect();
-    let consistent = consistent(&aligned, &pairs_found, monitor)?;
-    found.values_mut().zip(consistent).for_each(|((_, inliers), consistent)| *inliers = consistent);
-    let tracks = Tracks::of(&aligned.place_of, found.iter().map(|(images, (_, inliers))| (*images, &inliers[..])));
+    let is_beside = |inlier: &&Inlier| inlier.rank >= Inlier::RANK_BESIDE;
+    report.beside = found.values().map(|of| of.inliers.iter().filter(is_beside).count()).sum();
+    let tracks = Tracks::of(&aligned.place_of, found.iter().map(|(images, of)| (*images, &of.inliers[..])));
     let implied = |&images: &(usize, usize)| {
         monitor.check()?;
         let implied = tracks.implied(images);
-        let (former, own) = found.get(&images).map_or((None, &[][..]), |(model, own)| (model.as_ref(), own));
+        let of_pair = found.get(&images);
+        let (former, own) = of_pair.map_or((None, &[][..]), |of| (of.model.as_ref(), &of.inliers[..]));
         if implied.is_empty() {
             return Ok(None);
         }
@@ -343,31 +332,86 @@ fn align_all(
     };
     // A pair without a geometry of its own may get one by them.
     let implied: Vec<_> = pairs.par_iter().map(implied).collect::<Result<_>>()?;
-    let reported = |pairs: &[PairReport], images: (usize, usize)| {
-        let pair = [ids[images.0], ids[images.1]];
-        (pair, pairs.binary_search_by_key(&pair, |of| of.ids).expect("all pairs are reported"))
-    };
     for (images, (model, [own, implied])) in implied.into_iter().flatten() {
-        let ([a, b], index) = reported(&report.pairs, images);
-        let mut matches = database.matches(a, b)?;
-        let new = implied.iter().map(|m| [m.a, m.b]).filter(|m| !matches.contains(m));
-        let new: Vec<[u32; 2]> = new.collect();
-        matches.extend(new);
-        database.add_matches(a, b, &matches)?;
-        report.pairs[index].counts.putative = matches.len();
         report.implied += implied.len();
-        found.insert(images, (Some(model), [own, implied].concat()));
+        let inliers = [own, implied].concat();
+        found.insert(images, Agreed { model: Some(model), confirmed: inliers.len(), inliers });
     }
-    for (images, (model, agreed)) in found {
-        let ([a, b], index) = reported(&report.pairs, images);
+    for (images, Agreed { model, inliers, .. }) in found {
+        let pair @ [a, b] = [ids[images.0], ids[images.1]];
+        let index = report.pairs.binary_search_by_key(&pair, |of| of.ids).expect("all pairs are reported");
+        // Of these descriptors say nothing, but an inlier is a match.
+        let mut matches = database.matches(a, b)?;
+        let known: HashSet<[u32; 2]> = matches.iter().copied().collect();
+        matches.extend(inliers.iter().map(|m| [m.a, m.b]).filter(|m| !known.contains(m)));
+        if matches.len() > known.len() {
+            database.add_matches(a, b, &matches)?;
+        }
         let counts = &mut report.pairs[index].counts;
-        counts.inliers = Some(agreed.len());
+        counts.putative = matches.len();
+        counts.inliers = Some(inliers.len());
         counts.refused =
-            if model.is_none() { Some(Refusal::Pictures) } else { agreed.is_empty().then_some(Refusal::Tracks) };
+            if model.is_none() { Some(Refusal::Pictures) } else { inliers.is_empty().then_some(Refusal::Tracks) };
         let places = [&aligned.places[images.0][..], &aligned.places[images.1]];
-        database.add_geometry(a, b, &database_geometry(places, &agreed, model.as_ref()))?;
+        database.add_geometry(a, b, &database_geometry(places, &inliers, model.as_ref()))?;
     }
     Ok(())
+}
+
+/// Reads images, pairs with a match, and what they join from `folder`, which an export of some of `bursts` wrote.
+/// Numbers of frames are 0; a burst that is not among `bursts` has the name of its picture.
+///
+/// # Errors
+/// One of the parameter `pairs-of`: a folder that no export wrote, a damaged database, or one of other bursts alone.
+pub fn read_exported(folder: &Path, bursts: &[&str]) -> Result<ColmapReport> {
+    let strange = |why: &str| {
+        let problem = format!("{} is no folder that colmap wrote from these bursts: {why}", folder.display());
+        Error::param("pairs-of", problem, "give the --out of a `burstscope colmap` of them")
+    };
+    if !has_mark(&folder.join(DATABASE_FILE), false) {
+        return Err(strange("it has no database.db of Burstscope's"));
+    }
+    let known: HashMap<String, &str> = bursts.iter().map(|name| (safe_file_name(name) + ".png", *name)).collect();
+    let report =
+        read_database(folder, &known).map_err(|error| strange(&format!("its database.db is damaged ({error})")))?;
+    let is_of_them = report.images.iter().any(|image| known.contains_key(&image.image));
+    if is_of_them { Ok(report) } else { Err(strange("it holds none of them")) }
+}
+
+fn read_database(folder: &Path, known: &HashMap<String, &str>) -> rusqlite::Result<ColmapReport> {
+    let database = folder.join(DATABASE_FILE);
+    let connection = open_database(&database)?;
+    let image = |row: &Row<'_>| {
+        let (id, image, features): (u32, String, u32) = row.try_into()?;
+        let burst = known.get(&image).copied().unwrap_or(image.trim_end_matches(".png")).to_owned();
+        Ok(ImageReport { id, burst, image, frames: 0, features: features as usize, resumed: true })
+    };
+    let images = "SELECT image_id, name, rows FROM images JOIN keypoints USING (image_id) ORDER BY image_id";
+    let images: Vec<_> = connection.prepare(images)?.query_map([], image)?.collect::<rusqlite::Result<_>>()?;
+    let pair = |row: &Row<'_>| {
+        let (a, b): (String, String) = row.try_into()?;
+        let count = |column: usize| row.get::<_, u32>(column).map(|count| count as usize);
+        let (putative, inliers) = (count(6)?, count(7)?);
+        let file = || pairs_folder(folder).join(a).join(format!("{b}.pair"));
+        let refused = match (inliers, row.get::<_, u32>(8)?) {
+            (1.., _) => None,
+            // A geometry without inliers.
+            (0, kind) if kind > GeometryKind::Degenerate as u32 => Some(Refusal::Tracks),
+            _ => why_refused(&file(), putative),
+        };
+        let (keypoints_a, keypoints_b, inliers) = (count(4)?, count(5)?, Some(inliers));
+        let counts = MatchCounts { keypoints_a, keypoints_b, putative, inliers, refused, not_mutual: None };
+        Ok(PairReport { ids: [row.get(2)?, row.get(3)?], resumed: true, counts })
+    };
+    let pairs =
+        "SELECT a.name, b.name, a.image_id, b.image_id, in_a.rows, in_b.rows, matches.rows, coalesce(found.rows, 0),
+        coalesce(found.config, 0)
+        FROM matches LEFT JOIN two_view_geometries AS found USING (pair_id)
+        JOIN images AS a ON a.image_id = pair_id / 2147483647 JOIN keypoints AS in_a ON in_a.image_id = a.image_id
+        JOIN images AS b ON b.image_id = pair_id % 2147483647 JOIN keypoints AS in_b ON in_b.image_id = b.image_id
+        ORDER BY pair_id";
+    let pairs: Vec<_> = connection.prepare(pairs)?.query_map([], pair)?.collect::<rusqlite::Result<_>>()?;
+    Ok(ColmapReport { joined: Joined::of(&images, &pairs), database, images, pairs, ..ColmapReport::default() })
 }
 
 fn check_enough(bursts: usize) -> Result<()> {

@@ -8,7 +8,7 @@
 use super::{features::FeatureStore, kept::pairs_folder};
 use crate::error::{Error, Result};
 use crate::export::{MadeFrom, write_whole};
-use crate::files::{MAX_TABLE_BYTES, lock::FolderLock, mark::PAIR_MARK, read_bytes};
+use crate::files::{MAX_TABLE_BYTES, lock::FolderLock, read_bytes};
 use crate::matching::{Camera, MatchParams, Refusal, TwoViewModel, Unaligned, align::Measured, aligned::Inlier};
 use nalgebra::Matrix3;
 use serde_json::{Value, json};
@@ -16,6 +16,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::{collections::BTreeMap, io::Write};
 
+/// First line of a file, with the number of its form.
+const PAIR_MARK: &[u8] = b"Burstscope pair 2\n";
 /// Words of a matrix of nine `f64`, and of an inlier: its features, its rank, and seven numbers of its measurement.
 const MATRIX_WORDS: usize = 18;
 const INLIER_WORDS: usize = 10;
@@ -26,19 +28,22 @@ pub(super) struct PairFound {
     pub matches: Vec<[u32; 2]>,
     /// With what the pictures say of each, where it is known.
     pub inliers: Vec<(Inlier, Option<Measured>)>,
+    /// Matches beside the inliers, which other pairs must not contradict.
+    pub beside: Vec<(Inlier, Option<Measured>)>,
     pub model: Option<TwoViewModel>,
     /// Before the joint solution only motions can refuse a pair.
     pub refused: Option<Refusal>,
 }
 
 impl PairFound {
-    pub fn of(Unaligned { result, measured }: &Unaligned) -> Self {
+    pub fn of(Unaligned { result, measured }: &Unaligned, beside: Vec<(Inlier, Measured)>) -> Self {
         let verified = result.verification.as_ref();
         let agreed = |index: &usize| verified.is_some_and(|verified| verified.inlier[*index]);
         let inlier = |index: usize| (Inlier::from(&result.matches[index]), measured[index]);
         Self {
             matches: result.matches.iter().map(|m| [m.a as u32, m.b as u32]).collect(),
             inliers: (0..result.matches.len()).filter(agreed).map(inlier).collect(),
+            beside: beside.into_iter().map(|(inlier, measured)| (inlier, Some(measured))).collect(),
             model: verified.and_then(|verified| verified.model.clone()),
             refused: result.counts.refused,
         }
@@ -48,7 +53,8 @@ impl PairFound {
         let number = |x: &f64| [x.to_bits() as u32, (x.to_bits() >> 32) as u32];
         let matrix = self.model.as_ref().map(TwoViewModel::matrix);
         let matrix: Vec<u32> = matrix.iter().flat_map(|matrix| matrix.iter()).flat_map(number).collect();
-        let head = [u32::from(self.refused.is_some()), u32::from(self.model.is_some()), self.matches.len() as u32];
+        let [matches, inliers] = [self.matches.len(), self.inliers.len()].map(|count| count as u32);
+        let head = [u32::from(self.refused.is_some()), u32::from(self.model.is_some()), matches, inliers];
         let inlier = |(Inlier { a, b, rank }, measured): &(Inlier, Option<Measured>)| {
             let measured = measured.map_or([f32::NAN; 7], |Measured { shift_px: [u, v], jacobian, correlation }| {
                 let [[uu, uv], [vu, vv]] = jacobian;
@@ -57,15 +63,15 @@ impl PairFound {
             });
             [&[*a, *b, rank.to_bits()][..], &measured.map(f32::to_bits)].concat()
         };
-        let inliers = self.inliers.iter().flat_map(inlier);
+        let inliers = self.inliers.iter().chain(&self.beside).flat_map(inlier);
         head.into_iter().chain(matrix).chain(self.matches.as_flattened().iter().copied()).chain(inliers).collect()
     }
 
     /// `None` for words of another form, or of features that do not exist among so many.
     fn from_words(words: &[u32], matching: &MatchParams, features: [usize; 2]) -> Option<Self> {
-        let (&[refused, model, matches], rest) = words.split_first_chunk()?;
+        let (&[refused, model, matches, inliers], rest) = words.split_first_chunk()?;
         let (matrix, rest) = rest.split_at_checked(if model == 1 { MATRIX_WORDS } else { 0 })?;
-        let (matches, inliers) = rest.split_at_checked((matches as usize).checked_mul(2)?)?;
+        let (matches, rest) = rest.split_at_checked((matches as usize).checked_mul(2)?)?;
         let number = |[low, high]: &[u32; 2]| f64::from_bits(u64::from(*low) | (u64::from(*high) << 32));
         let matrix = Matrix3::from_iterator(matrix.as_chunks().0.iter().map(number).chain([f64::NAN; 9]));
         let found = if model == 1 { Some(TwoViewModel::of(matrix, matching)?) } else { None };
@@ -75,15 +81,18 @@ impl PairFound {
             let is_measured = numbers.iter().all(|x| x.is_finite());
             (Inlier { a, b, rank: f32::from_bits(rank) }, is_measured.then_some(measured))
         };
-        let (inliers, rest) = inliers.as_chunks();
+        let (all, rest) = rest.as_chunks();
+        let (own, beside) = all.split_at_checked(inliers as usize)?;
         let found = Self {
             matches: matches.as_chunks().0.to_vec(),
-            inliers: inliers.iter().map(inlier).collect(),
+            inliers: own.iter().map(inlier).collect(),
+            beside: beside.iter().map(inlier).collect(),
             model: found,
             refused: (refused == 1).then_some(Refusal::Motions),
         };
         let exists = |[a, b]: [u32; 2]| (a as usize) < features[0] && (b as usize) < features[1];
-        let mut all = found.matches.iter().copied().chain(found.inliers.iter().map(|(m, _)| [m.a, m.b]));
+        let inliers = found.inliers.iter().chain(&found.beside).map(|(m, _)| [m.a, m.b]);
+        let mut all = found.matches.iter().copied().chain(inliers);
         (rest.is_empty() && all.all(exists)).then_some(found)
     }
 }
@@ -196,6 +205,7 @@ mod tests {
         PairFound {
             matches: vec![[0, 2], [1, 0], [3, 1]],
             inliers: vec![inlier(0, 0.8, Some(measured)), inlier(3, 0.0, None)],
+            beside: vec![inlier(1, 2.0, Some(measured))],
             model: TwoViewModel::of(matrix, matching),
             refused: None,
         }
@@ -209,7 +219,13 @@ mod tests {
             assert!(pair.model.is_some());
             let read = |words: &[u32]| PairFound::from_words(words, &matching, [4, 3]);
             assert_eq!(read(&pair.words()), Some(pair.clone()));
-            let none = PairFound { model: None, inliers: Vec::new(), refused: Some(Refusal::Motions), ..pair.clone() };
+            let none = PairFound {
+                model: None,
+                inliers: Vec::new(),
+                beside: Vec::new(),
+                refused: Some(Refusal::Motions),
+                ..pair.clone()
+            };
             assert_eq!(read(&none.words()), Some(none));
             // Features that do not exist, and words that are missing or too many.
             assert_eq!(PairFound::from_words(&pair.words(), &matching, [3, 3]), None);

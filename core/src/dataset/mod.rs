@@ -7,10 +7,10 @@ mod blobs;
 pub mod camera;
 #[cfg(feature = "colmap")]
 pub mod colmap;
-#[cfg(feature = "colmap")]
-mod exported;
 pub mod features;
 pub mod gather;
+#[cfg(feature = "colmap")]
+mod joint;
 mod kept;
 #[cfg(feature = "colmap")]
 mod kept_pairs;
@@ -22,9 +22,7 @@ mod stamp;
 
 pub use camera::{BurstCameras, CameraChoice};
 #[cfg(feature = "colmap")]
-pub use colmap::{ColmapJob, export_colmap, export_detections};
-#[cfg(feature = "colmap")]
-pub use exported::read_exported;
+pub use colmap::{ColmapJob, export_colmap, export_detections, read_exported};
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;

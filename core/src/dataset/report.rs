@@ -101,6 +101,8 @@ pub struct ColmapReport {
     pub joined: Joined,
     /// Distances by which the database's keypoints moved from those in the files; `None` if they were not aligned.
     pub moved: Option<Moved>,
+    /// Number of inliers, of all pairs, that lie beside measured ones, and that no descriptor found.
+    pub beside: usize,
     /// Number of inliers, of all pairs, that the matches of other pairs imply.
     pub implied: usize,
     /// Says why COLMAP's mapper will not be able to start from the database; `None` where a pair has enough inliers.

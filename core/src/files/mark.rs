@@ -17,8 +17,8 @@ use tiff::{decoder::Decoder, tags::Tag};
 pub(crate) const SOFTWARE: &str = concat!("Burstscope ", env!("CARGO_PKG_VERSION"));
 /// Application id of COLMAP's databases that this program wrote, in the field that SQLite has for it.
 pub(crate) const DATABASE_ID: u32 = u32::from_be_bytes(*b"Brst");
-/// First line of a file of a matched pair.
-pub(crate) const PAIR_MARK: &[u8] = b"Burstscope pair 1\n";
+/// Begin of a file of a matched pair, of any form.
+const PAIR_MARK: &[u8] = b"Burstscope pair ";
 const FORMAT: u32 = 1;
 /// Number of bytes at the start of a file that tell its format.
 const HEAD: u64 = 128;

@@ -24,6 +24,11 @@ const LEAST_KEPT: f64 = 0.25;
 /// fifth beyond 50 px. A limit in σ would not help: beyond 3 σ as many are right as below.
 pub const MOST_MOVED_PX: f64 = 20.0;
 
+/// Whether a pair of `inliers` may keep its geometry by as many as are `left`.
+pub(super) fn keeps_enough(left: usize, inliers: usize) -> bool {
+    left >= FEWEST_KEPT.max((LEAST_KEPT * inliers as f64).ceil() as usize)
+}
+
 /// Parameters with which predicted matches are verified that are aligned afterwards.
 pub(super) fn before_alignment(params: &MatchParams) -> MatchParams {
     MatchParams { max_error_px: WIDE * params.max_error_px, ..params.clone() }
@@ -104,12 +109,22 @@ impl Pictures {
         &self.seen
     }
 
-    /// Chip of a feature; `None` beyond the image.
-    pub fn chip(&self, feature: usize) -> Option<&Chip> {
-        self.chips[self.places.of_feature[feature]].as_ref()
+    /// First feature of each place.
+    pub(super) fn first(&self) -> &[usize] {
+        &self.places.first
     }
 
-    fn view(&self, feature: usize) -> Option<View<'_>> {
+    /// Place of a feature, by its number.
+    pub(super) fn place(&self, feature: usize) -> usize {
+        self.places.of_feature[feature]
+    }
+
+    /// Chip of a feature; `None` beyond the image.
+    pub fn chip(&self, feature: usize) -> Option<&Chip> {
+        self.chips[self.place(feature)].as_ref()
+    }
+
+    pub(super) fn view(&self, feature: usize) -> Option<View<'_>> {
         Some(View { chip: self.chip(feature)?, orientation: self.orientations[feature] })
     }
 }
@@ -206,6 +221,11 @@ pub struct Inlier {
     pub rank: f32,
 }
 
+impl Inlier {
+    /// Rank of a match beside measured ones: behind all ratios, since no descriptor was compared.
+    pub const RANK_BESIDE: f32 = 2.0;
+}
+
 impl From<&Match> for Inlier {
     fn from(m: &Match) -> Self {
         Self { a: m.a as u32, b: m.b as u32, rank: m.rank() }
@@ -257,10 +277,11 @@ impl Alignment {
         self.links.len() - 1
     }
 
-    /// Solves for the places on which all matches agree best.
-    pub fn solve(self, monitor: &Monitor) -> Result<AlignedImages, Cancelled> {
+    /// Solves for the places on which all matches agree best, and forgets these: the images stay, for other matches.
+    pub fn solve(&mut self, monitor: &Monitor) -> Result<AlignedImages, Cancelled> {
         let may_move = |place, correction| self.may_move(place, correction);
         let Solved { corrections, residuals_px, refused } = solve(&self.sigmas, &self.links, may_move, monitor)?;
+        self.links = Vec::new();
         let place = |([u, v], place): ([f64; 2], u32)| {
             let [du, dv] = corrections[place as usize];
             [u + du, v + dv]
@@ -268,7 +289,7 @@ impl Alignment {
         let moved =
             |image: &Image| image.features.iter().copied().zip(image.place_of.iter().copied()).map(place).collect();
         let places = self.images.iter().map(moved).collect();
-        let place_of = self.images.into_iter().map(|image| image.place_of).collect();
+        let place_of = self.images.iter().map(|image| image.place_of.clone()).collect();
         // Median and largest are of places that move: most features have no match.
         let mut moved_px: Vec<f64> = corrections.iter().map(|[u, v]| u.hypot(*v)).filter(|px| *px > 0.0).collect();
         moved_px.sort_unstable_by(f64::total_cmp);
@@ -324,9 +345,8 @@ impl AlignedImages {
         let Some(mut of_kept) = self.verified(kept.iter().map(|&index| point(index)), former, params, monitor)? else {
             return Ok(None);
         };
-        let enough = FEWEST_KEPT.max((LEAST_KEPT * inliers.len() as f64).ceil() as usize);
         // A wrong geometry agrees by chance, and its pictures do not: few are left.
-        if of_kept.inlier_count() < enough {
+        if !keeps_enough(of_kept.inlier_count(), inliers.len()) {
             of_kept.refuse();
         }
         let error_px = |index: usize| {

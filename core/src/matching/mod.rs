@@ -6,8 +6,8 @@
 //! agrees with a geometry of the two views on which most others agree too. [`match_features`] does it all for whoever
 //! matches: [`putative`] → [`geometry`] → where the motions are known, both again at the places that they predict
 //! ([`Prediction`]) → where there are frames, the pictures of the inliers ([`aligned`]). [`match_pair`] aligns each
-//! pair by itself; a dataset for COLMAP is aligned as a whole, loses the matches that others contradict, and gets those
-//! that others imply ([`tracks`]).
+//! pair by itself; a dataset for COLMAP is aligned as a whole, gets the matches [`beside()`] measured ones, loses those
+//! that others contradict, and gets those that others imply ([`tracks`]).
 //!
 //! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
 //! match, and inlier ratio the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler
@@ -17,6 +17,7 @@
 
 pub mod align;
 pub mod aligned;
+mod beside;
 pub mod geometry;
 pub mod params;
 mod predicted;
@@ -28,6 +29,7 @@ pub use crate::camera::{self, Camera, CameraModel};
 use align::Measured;
 pub use aligned::{PairAlignment, Pictures};
 use aligned::{align_pair, before_alignment, measure_inliers};
+pub use beside::beside;
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
 pub use params::{Geometry, MatchParams};
 pub use predicted::{Agreement, Expected, PREDICTED_RATIO, Prediction};

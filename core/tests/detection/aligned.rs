@@ -2,10 +2,10 @@
 //! found to be shifted by them.
 
 use crate::prelude::*;
-use burstscope_core::dataset::{DetectedBurst, match_bursts};
+use burstscope_core::dataset::{BurstSide, DetectedBurst, match_bursts};
 use burstscope_core::matching::align::Measured;
 use burstscope_core::matching::aligned::{AlignedImages, Alignment, Inlier, MOST_MOVED_PX, Seen};
-use burstscope_core::matching::{Blob, MatchResult, Verification};
+use burstscope_core::matching::{Blob, MatchResult, Verification, beside, match_features};
 use std::collections::BTreeSet;
 
 fn params() -> DetectorParams {
@@ -58,14 +58,59 @@ fn from_b_to_a_they_are_those_from_a_to_b_and_places_that_the_pictures_correct_f
     assert!(verified.error_px.iter().all(|error| *error < 0.5), "{:?}", verified.error_px);
 }
 
-#[test]
-fn a_shifted_burst_is_found_to_be_and_places_that_contradict_their_other_matches_lose_them() {
+/// The demo burst, and the same that shows all 11 px farther right and 6 px lower.
+fn demo_and_shifted() -> [Burst; 2] {
     let burst = demo_burst();
     let frames = burst.frames.iter().map(|frame| {
         let (width, height) = frame.size();
         Plane::from_fn(width, height, |u, v| frame.get(u as i64 - 11, v as i64 - 6).unwrap_or(0.1))
     });
     let shifted = Burst::from_planes("shifted", frames.collect());
+    [burst, shifted]
+}
+
+#[test]
+fn beside_few_measured_matches_lie_the_others_each_at_its_place_and_once() {
+    let bursts = demo_and_shifted();
+    let found = [found(&bursts[0]), found(&bursts[1])];
+    let side =
+        |k: usize| BurstSide::from(&found[k]).with_pictures(&bursts[k], &params(), &quiet()).expect("valid parameters");
+    let [mut a, b] = [side(0), side(1)];
+    // Half of the places have no match by their descriptors.
+    let nothing = a.places.iter().zip(&mut a.descriptors).filter(|(place, _)| (place[0] as usize).is_multiple_of(2));
+    nothing.for_each(|(_, descriptor)| descriptor.fill(0));
+    let (sides, params) = ([a.side(), b.side()], MatchParams { predict: false, ..MatchParams::default() });
+    let few = match_features(sides, &params, &quiet()).expect("valid parameters");
+    let verified = few.result.verification.as_ref().expect("verified");
+    let new = beside(sides, &few, &params, &quiet()).expect("not cancelled");
+    println!("{} beside {} inliers of {} features", new.len(), verified.inlier_count(), found[0].features.len());
+    assert!(new.len() > 100 && 2 * new.len() > verified.inlier_count());
+    let inliers = few.result.matches.iter().zip(&verified.inlier).filter(|(_, inlier)| **inlier);
+    let inliers: Vec<[usize; 2]> = inliers.map(|(m, _)| [m.a, m.b]).collect();
+    let new: Vec<([usize; 2], Measured)> = new.iter().map(|(m, of)| ([m.a as usize, m.b as usize], *of)).collect();
+    for (k, side) in sides.iter().enumerate() {
+        let all = inliers.iter().chain(new.iter().map(|(ends, _)| ends)).map(|ends| side.places[ends[k]]);
+        let once: BTreeSet<[u64; 2]> = all.clone().map(|place| place.map(f64::to_bits)).collect();
+        let of_inliers: BTreeSet<_> = inliers.iter().map(|ends| side.places[ends[k]].map(f64::to_bits)).collect();
+        assert_eq!(once.len(), of_inliers.len() + new.len(), "each place is new, and in one match");
+    }
+    let right = |([i, j], measured): &&([usize; 2], Measured)| {
+        let moved = [0, 1].map(|k| sides[1].places[*j][k] + measured.shift_px[k] - sides[0].places[*i][k]);
+        (moved[0] - 11.0).hypot(moved[1] - 6.0) < 0.5
+    };
+    let right = new.iter().filter(right).count();
+    assert!(right * 20 > new.len() * 19, "{right} of {} lie where they are", new.len());
+    let cancelled = quiet();
+    cancelled.cancel();
+    assert!(beside(sides, &few, &params, &cancelled).is_err());
+    // Without an inlier nothing is known of what lies beside.
+    let none = match_features(sides, &MatchParams { geometry: Geometry::None, ..params.clone() }, &quiet());
+    assert!(beside(sides, &none.expect("valid parameters"), &params, &quiet()).expect("not cancelled").is_empty());
+}
+
+#[test]
+fn a_shifted_burst_is_found_to_be_and_places_that_contradict_their_other_matches_lose_them() {
+    let [burst, shifted] = demo_and_shifted();
     let [a, b] = [found(&burst), found(&shifted)];
     let result = matched([(&burst, &a), (&shifted, &b)], Geometry::Homography);
     let found = inliers(&result);

@@ -74,23 +74,26 @@ impl Grid {
         Some(Self { values, readable: seen.map(|range| [(range.start + 1) as f32, (range.end - 2) as f32]) })
     }
 
-    /// Map from a lattice of `unit_px` input pixels, turned by `angle`, around the middle of `chip` to its samples.
-    pub fn places(chip: &Chip, unit_px: f32, angle: f32) -> Affine {
-        let (sin, cos) = angle.sin_cos();
+    /// Map from a lattice around the middle of `chip`, whose axes are the columns of `turn` in steps of `unit_px` input
+    /// pixels, to its samples.
+    pub fn places(chip: &Chip, unit_px: f32, turn: [[f32; 2]; 2]) -> Affine {
         let scale = unit_px / (STEP * chip.sigma);
-        let matrix = [[scale * cos, -scale * sin], [scale * sin, scale * cos]];
-        Affine { matrix, shift: [REACH as f32; 2] }
+        Affine { matrix: turn.map(|row| row.map(|x| scale * x)), shift: [REACH as f32; 2] }
     }
 
     /// The 4 × 4 samples around a place, and its distance beyond the inner first one; `None` where a sample is missing.
-    fn around(&self, [u, v]: [f32; 2]) -> Option<([&[f32]; 4], f32, f32)> {
+    #[inline(always)]
+    fn around(&self, [u, v]: [f32; 2]) -> Option<([&[f32; 4]; 4], f32, f32)> {
         let [columns, rows] = self.readable;
         if !(u >= columns[0] && u < columns[1] && v >= rows[0] && v < rows[1]) {
             return None;
         }
-        let (i, j) = (u as usize, v as usize);
-        let first = (j - 1) * SIDE + i - 1;
-        let row = |k: usize| &self.values[first + k * SIDE..first + k * SIDE + 4];
+        // Signed and of 32 bits, so that the processor has an instruction for it.
+        let (i, j) = (u as i32, v as i32);
+        let first = ((j - 1) * SIDE as i32 + i - 1) as usize;
+        // One check for all four rows.
+        let rows: &[f32; 3 * SIDE + 4] = self.values[first..].first_chunk()?;
+        let row = |k: usize| rows[k * SIDE..].first_chunk().expect("four samples in each row");
         Some(([row(0), row(1), row(2), row(3)], u - i as f32, v - j as f32))
     }
 
@@ -144,10 +147,10 @@ fn slopes(t: f32) -> [f32; 4] {
 }
 
 #[inline(always)]
-fn columns(rows: &[&[f32]; 4], weights: &[f32; 4]) -> [f32; 4] {
+fn columns(rows: &[&[f32; 4]; 4], weights: &[f32; 4]) -> [f32; 4] {
     let mut sums = [0.0; 4];
     for (row, weight) in rows.iter().zip(weights) {
-        for (sum, x) in sums.iter_mut().zip(*row) {
+        for (sum, x) in sums.iter_mut().zip(row.iter()) {
             *sum += weight * x;
         }
     }

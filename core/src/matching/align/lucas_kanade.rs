@@ -34,6 +34,10 @@ pub(super) struct Window {
     y: Vec<f32>,
     weights: Vec<f32>,
     prior: [f32; UNKNOWNS],
+    /// Least correlation at the start of a fit.
+    least_at_start: f32,
+    /// Change of all unknowns, σ, below which a fit ends.
+    still_sigmas: f32,
 }
 
 #[derive(Debug, Default)]
@@ -73,7 +77,13 @@ impl Window {
         let (shift, matrix) = (noise / SHIFT_SIGMA.powi(2), noise / (MATRIX_SIGMA * radius).powi(2));
         let along = |of: fn(&(f32, f32)) -> f32| padded(points.iter().map(of).collect());
         let prior = [shift, shift, matrix, matrix, matrix, matrix];
-        Self { radius, x: along(|point| point.0), y: along(|point| point.1), weights: padded(weights), prior }
+        let (x, y) = (along(|point| point.0), along(|point| point.1));
+        Self { radius, x, y, weights: padded(weights), prior, least_at_start: f32::MIN, still_sigmas: 0.0 }
+    }
+
+    /// Window for fits that begin near their end: less alike at their start than `least_at_start`, they are given up.
+    pub fn near(radius: f32, least_at_start: f32, still_sigmas: f32) -> Self {
+        Self { least_at_start, still_sigmas, ..Self::new(radius) }
     }
 
     fn points(&self) -> Points<'_> {
@@ -89,6 +99,9 @@ impl Window {
         for round in 0..=ROUNDS {
             b.0.read(&b.1.after(&map), self.points(), &mut scratch.values, &mut scratch.seen);
             let Some(alike) = Likeness::of(moments(scratch)) else { break };
+            if round == 0 && alike.correlation < self.least_at_start {
+                return None;
+            }
             // A step may lead away again, so the best map of all rounds is kept.
             if best.is_none_or(|best| alike.correlation > best.correlation) {
                 best = Some(Fit { map, correlation: alike.correlation });
@@ -102,6 +115,10 @@ impl Window {
             let gradient = SVector::<f64, UNKNOWNS>::from_fn(|k, _| f64::from(descent[k] + self.prior[k] * held[k]));
             let Some(next) = self.stepped(&map, &hessian.solve(&gradient)) else { break };
             map = next;
+            let moved = self.unknowns(&map, &begin).into_iter().zip(held).map(|(now, before)| (now - before).abs());
+            if moved.fold(0.0, f32::max) < self.still_sigmas {
+                break;
+            }
         }
         best
     }

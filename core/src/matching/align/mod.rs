@@ -16,5 +16,5 @@ mod search;
 pub mod solve;
 
 pub use chip::{Chip, ChipSource};
-pub use pair::{Measured, PairFrame, View, measure};
+pub use pair::{Guess, Measured, PairFrame, View, measure, measure_near};
 pub use solve::{Link, Places, Solved, solve};

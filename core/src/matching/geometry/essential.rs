@@ -11,7 +11,7 @@
 
 use super::linear::{epipolar_row, equation};
 use super::points::{RayPair, Vector9, cross_matrix, matrix_of, null_space};
-use super::{consensus::Problem, polynomial::real_roots};
+use super::{consensus::Problem, linear::real_roots};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use std::sync::LazyLock;
 

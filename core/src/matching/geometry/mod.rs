@@ -12,7 +12,6 @@ mod linear;
 mod model;
 mod parallax;
 mod points;
-mod polynomial;
 
 pub use essential::RelativePose;
 pub use model::TwoViewModel;
