@@ -50,8 +50,7 @@ pub enum CameraModel {
     RadialFisheye,
     /// fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, sx1, sy1: a fisheye with tangential and thin-prism distortion.
     ThinPrismFisheye,
-    /// fx, fy, cx, cy, k0 … k5, p0, p1, s0 … s3: a fisheye whose tangential and thin-prism distortion follow the
-    /// radial.
+    /// fx, fy, cx, cy, k0 … k5, p0, p1, s0 … s3: a fisheye with tangential and thin-prism distortion after the radial.
     RadTanThinPrismFisheye,
 }
 

@@ -37,7 +37,6 @@ with_defaults! {
 }
 
 impl Startup {
-    /// Actions with which a window of the defaults begins.
     pub fn actions(&self) -> Queue {
         let mut actions = self.settings.actions();
         actions.set(&SearchParams::default(), self.params.clone(), |params| Action::SetSearch(Box::new(params)));

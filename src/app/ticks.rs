@@ -15,7 +15,6 @@ pub fn of_height(input: GridInput) -> Vec<GridMark> {
     ticks(input, HIGH)
 }
 
-/// Ticks of a horizontal axis, for [`egui_plot::Plot::x_grid_spacer`].
 pub fn of_width(input: GridInput) -> Vec<GridMark> {
     ticks(input, WIDE)
 }

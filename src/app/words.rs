@@ -21,7 +21,6 @@ macro_rules! choices {
         impl $name {
             pub const ALL: [Self; [$(Self::$choice),+].len()] = [$(Self::$choice),+];
 
-            /// Its label, and help.
             pub fn words(self) -> [&'static str; 2] {
                 match self {
                     $(Self::$choice => [$label, $help]),+

@@ -148,7 +148,6 @@ pub(super) fn accuracy_table(reports: &[(&str, &AccuracyReport)]) -> Table {
     Table::new("Errors of features", ACCURACY_COLUMNS, rows)
 }
 
-/// The false features of each kind of noise and each search.
 pub(super) fn noise_table(report: &NoiseReport) -> Table {
     let rows = report.rows.iter().flat_map(|row| row.searches.iter().map(move |search| (row.level, search)));
     let row = |(NoiseLevel { sigma, bits, case, mean }, search): (NoiseLevel, &NoiseCount)| {

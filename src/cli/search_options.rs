@@ -95,8 +95,7 @@ impl ParamsFileArg {
     }
 }
 
-/// Variable that names the file of the user's own defaults, which is read before all others; an empty one stands for
-/// none.
+/// Variable that names the file of the user's defaults, which is read before all others; an empty one names none.
 const VARIABLE: &str = "BURSTSCOPE_DEFAULTS";
 
 /// Where the file is, unless the variable names another.

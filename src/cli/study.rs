@@ -111,7 +111,6 @@ pub(super) fn check_figures([plot, table]: [&Option<PathBuf>; 2], rules: &Output
     Ok(plot.iter().chain(table).try_for_each(|path| rules.check(path))?)
 }
 
-/// Writes a figure that was asked for, and says so.
 pub(super) fn write_figure(
     console: &Console,
     path: Option<&Path>,

@@ -95,8 +95,7 @@ fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -> Re
     Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
 }
 
-/// Store of trails; clones share it. With any budget there are the same answers, but for the tally of what was judged
-/// again or went on.
+/// Store of trails; clones share it. Any budget gives the same answers, but for the tally of what was judged again.
 #[derive(Debug, Clone, Default)]
 pub struct Trails {
     state: Arc<Mutex<State>>,

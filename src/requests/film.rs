@@ -289,8 +289,7 @@ impl Film {
         DetectorParams { frames: frames.or(self.params.frames), ..self.params.clone() }
     }
 
-    /// The features that are drawn in the picture of a step: as in the window as many of the strongest as each part of
-    /// it can bear.
+    /// The features drawn in the picture of a step: as in the window as many of the strongest as each part of it bears.
     fn drawn(&self, step: &FilmStep) -> Vec<&Feature> {
         let (width, height) = self.burst.burst.size();
         let rect = [[-0.5, -0.5], [width as f32 - 0.5, height as f32 - 0.5]];

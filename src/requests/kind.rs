@@ -212,7 +212,6 @@ impl PictureKind {
         }
     }
 
-    /// Octave and level of a picture with the octave's pixels.
     pub fn scale(self) -> Option<Scale> {
         match self {
             Self::Dog { octave, level, .. } => Some(Scale { octave, level }),

@@ -198,7 +198,6 @@ impl PictureAnswer {
     }
 }
 
-/// Computes a picture that is not a difference.
 fn plain(request: PictureRequest, work: &Work<'_, PictureAnswer>) -> Result<PictureAnswer, JobError> {
     let (trails, monitor) = (&work.caches.trails, work.monitor);
     let mut motion = None;

@@ -24,7 +24,6 @@ pub enum Origin {
 }
 
 impl Origin {
-    /// Its label, and help.
     pub fn words(self) -> [&'static str; 2] {
         match self {
             Self::Buff => ["BuFF paper", "Of the BuFF paper: Ravendran, Bryson, Dansereau, arXiv 2209.09470"],

@@ -90,8 +90,10 @@ fn nothing_found_says_which_setting_to_change_and_every_parameter_has_a_row_with
     window.click("Detect").settle();
     assert!(window.read().features().is_empty());
     assert!(window.shows("No feature was found") && window.shows("; try Peak threshold 0"));
-    window.change(|document| document.params.peak_threshold = 0.0).steps(2);
-    assert!(!window.shows("; try Peak threshold 0"));
+    window.click("Apply setting").steps(2);
+    assert!(window.document().params.peak_threshold == 0.0 && !window.shows("; try Peak threshold 0"));
+    window.click("Detect").settle();
+    assert!(!window.read().features().is_empty());
     let window = Start { size: [1280.0, 1400.0], ..Start::without_auto_detect() }.open();
     for doc in burstscope::detector::params::doc::ALL {
         assert!(window.shows(doc.label) && window.shows(doc.unit), "{} or its unit", doc.label);

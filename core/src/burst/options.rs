@@ -123,8 +123,7 @@ impl OpenOptions {
         *self == Self { limits: self.limits, ..Self::default() }
     }
 
-    /// These options with the mask, part, times, rotations, views and place in a file of `other`: what holds for one
-    /// burst alone.
+    /// These options with what of `other` is of one burst alone: mask, part, times, rotations, views, place in a file.
     #[must_use]
     pub fn with_burst_of(self, other: &Self) -> Self {
         let Self { mask, take, times, views, axis, array, topic, rotations, lens, .. } = other.clone();
@@ -208,8 +207,7 @@ impl OpenOptions {
     }
 }
 
-/// `path`, or where nothing is there the file of its name beside the first of `frames` or in one of the folders above,
-/// `levels` in all.
+/// `path`, or if nothing is there the file of its name beside the first of `frames` or above, in `levels` folders.
 fn near(path: &Path, frames: &[PathBuf], levels: usize) -> PathBuf {
     let frame = frames.first().and_then(|frame| std::path::absolute(frame).ok()).unwrap_or_default();
     let mut files =

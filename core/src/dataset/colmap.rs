@@ -144,8 +144,7 @@ type Exported = (BurstFeatures, Seen, Option<Value>);
 /// Opens the burst at a place, with the parameters of its search.
 type Opening<'a> = &'a dyn Fn(usize) -> Result<(Burst, DetectorParams)>;
 
-/// Bursts of an export: their number, and by their places what is exported, and the frames with the parameters of
-/// search.
+/// Bursts of an export: their number, and by place what is exported, and the frames with the search's parameters.
 type AllExported<'a> = (usize, &'a dyn Fn(usize) -> Result<Exported>, Opening<'a>);
 
 fn write_database(

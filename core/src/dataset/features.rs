@@ -461,8 +461,7 @@ pub fn image_name(source: &BurstFiles) -> String {
 /// Finds the features of all `bursts` in turn; `on` is called with every event.
 ///
 /// # Errors
-/// One that concerns all bursts, or cancellation. Others are reported as [`BurstEvent::Failed`], and the burst left
-/// out.
+/// One that concerns all bursts, or cancellation. Other bursts are reported as [`BurstEvent::Failed`] and left out.
 pub fn detect_all(
     store: &mut FeatureStore,
     bursts: &[BurstFiles],

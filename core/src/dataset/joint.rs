@@ -64,8 +64,7 @@ impl Joint {
         Ok(Self { aligned, found })
     }
 
-    /// Adds the matches beside the inliers of the pairs that other images could contradict and do not. Returns whether
-    /// there are any.
+    /// Adds the matches beside inliers to pairs that other images could contradict and do not; whether there are any.
     pub fn add_beside(&self, waiting: &mut [Waiting]) -> bool {
         let mut joined = vec![BTreeSet::new(); self.aligned.places.len()];
         for (&(a, b), _) in self.found.iter().filter(|(_, of)| !of.inliers.is_empty()) {

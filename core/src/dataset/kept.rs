@@ -45,8 +45,7 @@ pub(super) struct KeptBurst {
 }
 
 impl KeptBurst {
-    /// All that a pair of this burst is matched from, as checksums: its features, and what else was `made_from` its
-    /// frames.
+    /// Checksums of what a pair of this burst is matched from: its features, and what was `made_from` its frames.
     #[cfg(feature = "colmap")]
     pub fn key(&self, made_from: &MadeFrom) -> Value {
         let frames: Vec<Value> = self.files.iter().map(FileStamp::content).collect();
@@ -88,8 +87,7 @@ pub(super) fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>> 
     path.as_ref().map_or(Ok(Vec::new()), |path| files_at(std::slice::from_ref(path)))
 }
 
-/// Folder of the matched pairs of the `dataset` in this folder: one in it for each first image, with a file for each
-/// second.
+/// Folder of the matched pairs of the `dataset`: one in it for each first image, with a file for each second.
 pub(super) fn pairs_folder(dataset: &Path) -> PathBuf {
     dataset.join(RECORDS_FOLDER).join("pairs")
 }

@@ -84,8 +84,7 @@ pub fn encode_film(
     Ok(())
 }
 
-/// Size (columns, rows) of the pictures, and the pictures as they come, with progress; errors for none or several
-/// sizes.
+/// Size (columns, rows) of the pictures, and these as they come, with progress; errors for none or several sizes.
 fn of_one_size(
     count: usize,
     pictures: impl IntoIterator<Item = io::Result<RgbaImage>>,

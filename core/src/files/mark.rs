@@ -208,8 +208,7 @@ impl MarkPlace {
     }
 }
 
-/// Puts the mark into a complete PNG, GIF, MP4, ZIP, XML or PDF file, or as a last comment line; an error for a cut
-/// file.
+/// Puts the mark into a PNG, GIF, MP4, ZIP, XML or PDF file, or as a last comment line; an error for a cut file.
 pub fn seal(file: &mut File, kind: OutputKind) -> io::Result<()> {
     let place = MarkPlace::of(&part_of(file, 0, HEAD)?);
     let before = file.seek(SeekFrom::End(0))?.saturating_sub(place.end().len() as u64);

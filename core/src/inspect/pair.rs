@@ -56,8 +56,7 @@ pub struct Rivalry {
 pub struct Unmatched {
     /// Step at which it was lost.
     pub lost: Lost,
-    /// Ratio that the ratio test compares, the larger of both directions with the mutual check; `None` where nothing
-    /// competes.
+    /// Ratio of the ratio test, with the mutual check the larger of both directions; `None` where nothing competes.
     pub ratio: Option<f32>,
     /// Nearest features of B, nearest first.
     pub candidates: Vec<Rivalry>,

@@ -210,8 +210,7 @@ pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mu
     sums.make(&taps, size.0, columns, 0..rows, out, stride);
 }
 
-/// Whether `frame`, read at `offset`, has seen pixels of its own for all of `columns` × `rows`, and one more in each
-/// row.
+/// Whether `frame`, read at `offset`, has seen own pixels for all of `columns` × `rows`, and one more in each row.
 fn reaches(frame: &Plane, offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>) -> bool {
     let read = |range: &Range<usize>, whole: i64, more: bool, n: usize| {
         let (start, end) = (range.start as i64 + whole, range.end as i64 + whole + i64::from(more));

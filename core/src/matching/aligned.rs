@@ -327,8 +327,7 @@ pub struct Moved {
 }
 
 impl AlignedImages {
-    /// Estimates a pair's geometry again, from the `former` one and its inliers, each with the index of its
-    /// measurement.
+    /// Estimates a pair's geometry again, from the `former` one and its inliers with the indices of their measurements.
     pub fn confirmed(
         &self,
         images: (usize, usize),

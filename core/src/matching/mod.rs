@@ -229,8 +229,7 @@ pub struct MatchCounts {
     /// Reason why there are none although enough matches agreed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refused: Option<Refusal>,
-    /// Number of features of A without a match whose nearest in B is nearer to another; `None` of a pair read from
-    /// files.
+    /// Features of A without a match whose nearest in B is nearer to another; `None` of a pair read from files.
     #[serde(skip)]
     pub not_mutual: Option<usize>,
 }

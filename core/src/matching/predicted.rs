@@ -149,8 +149,7 @@ fn terms(x: Vector2<f64>, inverse_depth: f64) -> Vector4<f64> {
     Vector4::new(inverse_depth, x.x / 1000.0, x.y / 1000.0, 1.0)
 }
 
-/// Agreement of the motions of `side` with its `inliers` and their places in the other image, and where each feature is
-/// expected there.
+/// Agreement of the motions of `side` with its `inliers` in the other image, and where each feature is expected there.
 fn one_way(
     parallax: &Parallax,
     side: MatchSide<'_>,

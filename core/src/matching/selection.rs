@@ -14,8 +14,7 @@ pub enum PairSelection {
     All,
     /// Each image with the next few after it, for a camera path that does not return: about N times as many pairs.
     Sequential(usize),
-    /// Each image with the few for which most of its strongest features vote: in any order of the images, by what they
-    /// show.
+    /// Each image with the few for which most of its strongest features vote: by what they show, not by their order.
     Near(usize),
     /// These pairs of images, by their indices, the earlier one first; taken once each, in order.
     Listed(Vec<(usize, usize)>),

@@ -48,7 +48,6 @@ impl Menu {
         matches!(self, Self::Panes | Self::Cursor).then_some(Self::View)
     }
 
-    /// Name of the submenu that a group of this menu is folded into.
     pub fn submenu(self, group: u8) -> Option<&'static str> {
         Some(match (self, group) {
             (Self::File, 2) => "Parameters",

@@ -61,7 +61,6 @@ pub fn has_place_to_go(model: Read<'_>) -> bool {
     }
 }
 
-/// Whether there is a selection to clear, or a tool to put away.
 pub fn has_selection(model: Read<'_>) -> bool {
     if in_pair(model) {
         return model.asked_feature().is_some();

@@ -164,8 +164,7 @@ impl Part for Methods {
     }
 }
 
-/// Makes a [`One`]: whether it ends, where its requests are, what is missing, and how an answer is taken, and a partial
-/// one.
+/// Makes a [`One`]: whether it ends, where its requests are, what is missing, how an answer and a part of it is taken.
 macro_rules! one {
     (@$ends:literal, |$r:ident| $wanted:expr, $missing:expr, $take:expr) => {
         one!(@$ends, |$r| $wanted, $missing, $take, |_, _| ())

@@ -68,8 +68,7 @@ pub fn apply_set_up(model: &mut Model) {
     }
 }
 
-/// Updates [`Results::listed`](crate::app::results::Results::listed), and what decoys say of it. Cheap when nothing
-/// changed.
+/// Updates [`Results::listed`](crate::app::results::Results::listed), and what decoys say of it. Cheap without changes.
 pub fn refresh_listed(model: &mut Model) {
     let Some(found) = &model.results.slots.a.found else {
         model.results.listed.clear();

@@ -92,8 +92,7 @@ fn take_opened(
     recent
 }
 
-/// Takes the options with which A was opened. Of the burst that was open before they are a step to undo, unless a
-/// step led to them.
+/// Takes the options A was opened with: of the burst open before a step to undo, unless a step led to them.
 fn take_calibration(model: &mut Model, options: OpenOptions, is_again: bool, engine: &Engine) {
     let is_step = is_again && model.results.slots.a.stepped_to.take().as_ref() != Some(&options);
     let before = model.document.clone();

@@ -36,8 +36,7 @@ pub fn toggle_play(model: &mut Model) {
     model.shell.play = Play { step, due: None };
 }
 
-/// The action that shows the next picture, if it is due, while pictures are played, and the time after which to ask
-/// again.
+/// The action that shows the next picture, if it is due while pictures play, and the time after which to ask again.
 pub(in crate::app) fn step_play(model: &mut Model) -> Option<(Option<Action>, Duration)> {
     if !model.document.playing {
         return None;

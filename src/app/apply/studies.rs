@@ -167,7 +167,6 @@ pub(super) fn take_trajectories(model: &mut Model, ended: Ended<PosesRequest>) {
     }
 }
 
-/// Shows the built-in cameras and points beside the true cameras.
 pub(in crate::app) fn show_demo_cameras(model: &mut Model, engine: &Engine) {
     let [estimate, truth] = [DEMO_ESTIMATE, DEMO_TRUTH].map(|name| Some(PathBuf::from(name)));
     let (points, projection) = (true, Projection::Xz);

@@ -48,7 +48,6 @@ pub struct CanvasOutput {
 }
 
 impl CanvasOutput {
-    /// Whether the part of the canvas that is in sight was clicked.
     pub fn clicked_in_sight(&self) -> bool {
         let pos = self.response.interact_pointer_pos();
         self.response.clicked() && pos.is_none_or(|pos| self.painter.clip_rect().contains(pos))

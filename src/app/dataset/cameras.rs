@@ -105,7 +105,6 @@ fn label_of(model: Read<'_>, which: Which, index: usize) -> &str {
     model.results.poses.read(which).and_then(|read| read.poses.get(index)).map_or("", |pose| &pose.label)
 }
 
-/// Lines on a true camera and what each estimate has for it.
 pub fn camera_text(model: Read<'_>, camera: usize) -> String {
     let poses = &model.results.poses;
     let mut text = camera_label(model, camera).to_owned();
@@ -134,7 +133,6 @@ pub fn points_of(model: Read<'_>, which: Which, index: usize) -> Option<usize> {
     Some(model.results.poses.read(which)?.model.as_ref()?.images.get(index)?.points)
 }
 
-/// Draws the sign of a camera, as large as `radius` for an estimate's.
 fn sign(painter: &Painter, which: Which, at: Pos2, radius: f32, colour: Color32) {
     match which {
         Which::Estimate => painter.circle_filled(at, radius, colour),
@@ -246,7 +244,6 @@ fn frame_ui(ui: &Ui, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTr
     painter.text(rect.right_bottom() + vec2(-10.0, -8.0), Align2::RIGHT_BOTTOM, text, font, weak);
 }
 
-/// Right cameras and errors of an estimate, in short.
 pub fn errors_text(PoseReport { right, images, absolute, .. }: &PoseReport) -> String {
     let [ate, angle] = [absolute.translation.rmse, absolute.rotation_deg.rmse];
     format!("{right} of {images} right, ATE {ate:.4}, {angle:.3}°")

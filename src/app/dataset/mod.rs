@@ -104,7 +104,6 @@ pub fn cut_offer_ui(ui: &mut Ui, frames: usize, length: usize, queue: &mut Queue
     offer.inner
 }
 
-/// Asks while `open` whether the features may be replaced.
 pub fn replace_features_ui(ctx: &egui::Context, open: &mut bool, datasets: &Datasets, queue: &mut Queue) {
     // The dataset may have been closed under the question.
     let Some(dataset) = datasets.open.as_ref().filter(|_| *open) else {

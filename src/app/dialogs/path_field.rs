@@ -122,7 +122,6 @@ fn stem(text: &str) -> [usize; 2] {
     [name, text[name..].find('.').filter(|dot| *dot > 0).map_or(text.len(), |dot| name + dot)]
 }
 
-/// Selects the bytes from the first place to the second.
 fn select(ctx: &egui::Context, id: egui::Id, text: &str, places: [usize; 2]) {
     let mut state = TextEdit::load_state(ctx, id).unwrap_or_default();
     let [from, to] = places.map(|place| egui::text::CCursor::new(text[..place].chars().count()));

@@ -64,7 +64,6 @@ macro_rules! actions {
                 matches!(self, $(Self::$set(_))|* $(| Self::$replace(_))*)
             }
 
-            /// Whether the action sets a field to the value that it has.
             pub fn changes_nothing(&self, document: &Document) -> bool {
                 match self {
                     $(Self::$set(value) => document.$($field).+ == *value,)*

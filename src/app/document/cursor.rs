@@ -127,8 +127,7 @@ with_defaults! {
     }
 }
 
-/// Slopes of the row of the grid nearest to `slope`, or of its column where rows have one; and the place of the
-/// nearest.
+/// Slopes of the grid's row nearest to `slope`, or of its column where rows have one; and the place of the nearest.
 pub fn row_of(grid: &SlopeGrid, slope: Slope) -> (Vec<Slope>, usize) {
     let (i, j) = nearest_on_grid(grid, slope);
     if grid.u.count > 1 {

@@ -21,8 +21,7 @@ impl Document {
         self.panes.iter().map(|(id, pane)| (id, pane.cursor.slope)).collect()
     }
 
-    /// Takes the settings that undo covers but the calibration, with which the burst has to be opened again; returns
-    /// that.
+    /// Takes the settings that undo covers but the calibration, which opens the burst again, and is returned.
     fn take_settings(&mut self, from: Self) -> OpenOptions {
         for (id, pane) in from.panes.iter() {
             self.panes.get_mut(id).into_iter().for_each(|own| own.cursor.slope = pane.cursor.slope);

@@ -123,7 +123,6 @@ impl Document {
         self.ranges_of(self.panes.of(side))
     }
 
-    /// Links that all panes of *Two bursts* have.
     pub fn pair_links(&self) -> PaneLinks {
         let shown = self.panes.shown_in(PaneGroup::Pair);
         let all = |link| shown.iter().all(|id| self.panes.has_link(*id, link));

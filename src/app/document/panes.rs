@@ -317,7 +317,6 @@ impl Measure {
         *self == Self { shape: self.shape, brush_px: self.brush_px, ..Self::default() }
     }
 
-    /// Removes the corner or outline that was drawn last.
     pub fn take_back(&mut self) {
         match self.hidden.last_mut().map(Hidden::points_mut).filter(|points| self.is_open && points.len() > 1) {
             Some(corners) => _ = corners.pop(),

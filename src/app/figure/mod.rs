@@ -83,7 +83,6 @@ fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: 
     FigureMatches { links, legend }
 }
 
-/// The figure of the panes by `choice`, or why there is none.
 pub fn figure_of(model: Read<'_>, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<FigureRequest, String> {
     let rows = if choice.all_panes && model.document.workspace.needs_burst() {
         model.document.panes.arrangement().in_rows()

@@ -69,7 +69,6 @@ fn cross(
     Some(centre)
 }
 
-/// Draws a cross, and a text beside it.
 fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>, colour: Color32) {
     let (painter, rect) = (&output.painter, output.response.rect);
     let strokes = [Stroke::new(3.0, Color32::from_black_alpha(150)), Stroke::new(1.2, colour)];
@@ -95,8 +94,7 @@ pub(in crate::app) fn mid_burst(model: Read<'_>, id: PaneId, pos_image: Pos2) ->
     Some((pane.side, [place.x, place.y]))
 }
 
-/// Maps a mid-burst place of the burst of `side` that moves by `slope` to pane `id`; `None` for panes of the other
-/// burst.
+/// Maps a mid-burst place of the burst of `side` that moves by `slope` to pane `id`; `None` for the other burst's.
 fn in_pane(model: Read<'_>, id: PaneId, (side, place): (Side, [f32; 2]), slope: Slope) -> Option<Pos2> {
     let pane = model.pane(id).filter(|pane| pane.side == side)?;
     let kind = model.picture_in(id)?.request.kind;

@@ -86,7 +86,6 @@ fn header_ui(ui: &mut Ui, open: &OpenLesson, asked: &mut Option<LessonAction>) {
     });
 }
 
-/// Draws the task, with a tick once it is done.
 fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson) {
     let done = open.is_done();
     let colour = if done { style::good(ui) } else { style::ACCENT };

@@ -94,7 +94,6 @@ pub(super) fn snr_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, spot: S
     parts::mark(ui, Part::Snr, below(ui, top));
 }
 
-/// Number of frames in the shown picture; 1 for a single frame.
 fn frames_shown(model: Read<'_>) -> usize {
     let pane = model.document.focused();
     let is_frame = pane.content == crate::app::pane::Content::Cursor && pane.cursor.kind == ViewKind::Frame;

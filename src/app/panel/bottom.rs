@@ -38,7 +38,6 @@ fn has_content(tab: BottomTab, model: Read<'_>) -> bool {
     is_filled || model.document.bottom_tab == tab
 }
 
-/// Draws the button that opens the panel, with the names of its tabs.
 pub fn closed_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let names: Vec<&str> = TABS.iter().filter(|(tab, ..)| has_content(*tab, model)).map(|(_, name, _)| *name).collect();
     let tabs = ui.selectable_label(false, format!("⏶ {}", names.join(" · ")));

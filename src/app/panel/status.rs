@@ -1,12 +1,12 @@
 //! Status bar, and the messages above it: errors, the offer to restore a session, and advice after a detection.
 
-use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
 use crate::app::messages::Messages;
-use crate::app::panel::widgets::{confirm_ui, named, progress_text, text_width, warning_ui, with_whole_numbers};
+use crate::app::panel::widgets::{confirm_ui, named, progress_text, text_width};
 use crate::app::recovery::{Offer, RecoveryChoice};
 use crate::app::results::{Own, Read};
-use crate::inspect::{result::TooFew, words::counted};
+use crate::inspect::words::counted;
 use egui::{Align, Align2, Area, Button, Frame, Id, Label, Layout, RichText, Ui, vec2};
 
 /// Points by which the room of a value grows.
@@ -168,16 +168,4 @@ fn ago(age: std::time::Duration) -> String {
         _ => (minutes / 1440, "day"),
     };
     format!("{} ago", counted(count as usize, unit))
-}
-
-pub(crate) fn too_few_ui(ui: &mut Ui, model: Read<'_>, few: &TooFew, queue: &mut Queue) {
-    ui.horizontal_wrapped(|ui| {
-        let text = warning_ui(ui, with_whole_numbers(&few.for_window()));
-        if let Some((change, _)) = &few.change {
-            text.on_hover_text(change.parameter.help());
-        }
-        if model.features().is_empty() && model.document.workspace.inspects() {
-            button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
-        }
-    });
 }

@@ -270,7 +270,6 @@ fn ranges_ui(ui: &mut Ui, model: Read<'_>, filter: &mut Filter) {
     ui.collapsing("More ranges", |ui| others.for_each(|quantity| row(ui, quantity)));
 }
 
-/// Draws the choice of one value of a quantity, or of all.
 fn one_of_ui<T: PartialEq + Copy>(
     ui: &mut Ui,
     (label, quantity): (&str, Quantity),
@@ -287,8 +286,7 @@ fn one_of_ui<T: PartialEq + Copy>(
     });
 }
 
-/// Draws a switch for each layer, and one for the features of none, each with a button that shows it alone; nothing
-/// without a field.
+/// Draws a switch for each layer and for what is in none, with a button that shows it alone; nothing without a field.
 fn layers_ui(ui: &mut Ui, model: Read<'_>, filter: &mut Filter) {
     let Some(field) = model.found_of(Side::A).and_then(|found| found.detection.field.as_ref()) else { return };
     ui.horizontal_top(|ui| {

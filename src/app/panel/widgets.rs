@@ -105,7 +105,6 @@ pub fn modal_ui(
     }
 }
 
-/// Draws a button that closes the dialog around it.
 pub fn close_ui(ui: &mut Ui, text: &str) {
     if ui.button(text).clicked() {
         ui.close();

@@ -72,7 +72,6 @@ impl Record {
         found.into_iter().map(|(_, record)| record).collect()
     }
 
-    /// Whether another window keeps a record in `folder` now.
     pub fn is_kept_in(folder: &Path) -> bool {
         let is_held = |path: PathBuf| {
             path.extension().is_some_and(|extension| extension == LOCK) && matches!(locked(&path), Ok(None))

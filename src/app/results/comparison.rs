@@ -118,7 +118,6 @@ impl<'a> Read<'a> {
 }
 
 impl ComparisonResults {
-    /// Why the last comparison that was asked for was not made.
     pub fn problem(&self) -> Option<String> {
         self.wanted.failure().map(|(_, why)| match why {
             JobError::Cancelled => "Cancelled".to_owned(),

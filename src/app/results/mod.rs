@@ -55,8 +55,7 @@ pub struct Model {
     pub shell: Shell,
 }
 
-/// State of the window that is of no project: steps to undo, messages, its width, and the user's project during a
-/// lesson.
+/// State of the window that is of no project: steps to undo, messages, width, and during a lesson the user's project.
 #[derive(Debug, Default)]
 pub struct Shell {
     pub history: History,

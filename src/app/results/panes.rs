@@ -24,8 +24,7 @@ impl Read<'_> {
             && !(has_pictures && self.shows_right() && !is_wide(MIN_WIDTH_WITH_BOTH))
     }
 
-    /// Whether a match or a probe of two bursts takes the place of the panel on the left, so that no picture moves or
-    /// becomes narrow.
+    /// Whether a match or a probe of two bursts takes the place of the left panel, so that no picture moves or narrows.
     pub fn match_is_left(self) -> bool {
         let is_auto = [self.document.panels.left, self.document.panels.right] == [Visibility::Auto; 2];
         self.document.workspace.shows_pair()

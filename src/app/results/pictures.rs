@@ -171,8 +171,7 @@ impl<'a> Read<'a> {
         self.results.slots[side].found.as_ref()
     }
 
-    /// The features of a whole search: of those of a first slope nothing can be asked, as no search of its own finds
-    /// just these.
+    /// The features of a whole search: of those of a first slope nothing is asked, as no search finds just these.
     pub fn whole_found_of(self, side: Side) -> Option<&'a FoundFeatures> {
         self.found_of(side).filter(|found| !found.is_first_slope)
     }

@@ -25,7 +25,6 @@ pub struct ProbeResults {
 }
 
 impl ProbeResults {
-    /// Features of the answer that lie at its place.
     pub fn features_here(&self) -> Vec<usize> {
         let Some(probe) = self.answer.as_ref().map(|answer| &answer.probe) else { return Vec::new() };
         let away = |fate: &&Fate| egui::Pos2::from(fate.pos_image).distance(probe.pos_image.into());

@@ -82,7 +82,6 @@ pub enum Stale {
 }
 
 impl<'a> Read<'a> {
-    /// Names of the open bursts that are shown, and of the program.
     pub fn title(self) -> String {
         let is_shown = |side: &Side| *side == Side::A || self.document.workspace.shows_pair();
         let name = |side: Side| Some(self.results.slots[side].burst.as_ref()?.source.label());
@@ -189,8 +188,7 @@ impl<'a> Read<'a> {
         Some(DetectRequest { burst: self.burst_of(side)?.clone(), params: self.asked_of(side) })
     }
 
-    /// They need no search, or that of the fewer slopes, and the last ones asked for are there: a newer request would
-    /// cancel them.
+    /// They need no search, or one of fewer slopes, and the last ones are there: a newer request would cancel them.
     pub(in crate::app) fn features_can_follow(self, side: Side) -> bool {
         let now = self.asked_of(side);
         self.found_of(side).filter(|_| !self.results.slots[side].detecting.is_pending()).is_some_and(|found| {

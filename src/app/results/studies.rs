@@ -84,7 +84,6 @@ impl TrajectoryResults {
         self.compared.read[which as usize].as_ref().map(|(_, trajectory)| trajectory)
     }
 
-    /// Comparison of an estimate with the truth.
     pub fn report(&self, which: Which) -> Option<&Arc<PoseReport>> {
         self.compared.reports.get(which as usize)?.as_ref()?.as_ref().ok()
     }
@@ -98,7 +97,6 @@ impl TrajectoryResults {
         self.report(which)?.pairs.get(index?)
     }
 
-    /// Why an estimate cannot be compared with the truth.
     pub fn problems(&self) -> impl Iterator<Item = (Which, &String)> {
         let reports = Which::ESTIMATES.into_iter().zip(&self.compared.reports);
         reports.filter_map(|(which, report)| Some((which, report.as_ref()?.as_ref().err()?)))

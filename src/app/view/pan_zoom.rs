@@ -68,7 +68,6 @@ impl View {
         self.zoom = Zoom::PointsPerPixel(1.0 / pixels_per_point);
     }
 
-    /// Zooms by `factor` (above 1: larger) about the centre of the canvas.
     pub fn zoom_by(&mut self, factor: f32) {
         self.zoom = Zoom::PointsPerPixel(self.limited(self.points_per_pixel() * factor));
     }

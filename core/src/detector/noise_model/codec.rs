@@ -83,8 +83,7 @@ impl Flattened {
         is_codec.then_some(Self { share, shown, cut })
     }
 
-    /// Variance around the place (u, v) of a frame of `size`, as a filter of `octave` collects it, relative to that in
-    /// whole blocks.
+    /// Variance around (u, v) of a frame of `size`, as a filter of `octave` collects it, relative to whole blocks.
     pub(super) fn variance_factor_at(&self, octave: i32, (u, v): (f32, f32), (width, height): (usize, usize)) -> f32 {
         let reach = CUT_REACH * (octave as f32).exp2();
         let along = |at: f32, n: usize, ratio: f32| {

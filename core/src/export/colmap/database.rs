@@ -240,8 +240,7 @@ pub struct DatabaseGeometry {
     pub kind: GeometryKind,
     /// Index pairs of the inliers' features, of A and of B.
     pub inliers: Vec<[u32; 2]>,
-    /// Matrix of that kind: E with d_bᵀ·E·d_a = 0 for directions; F with x_bᵀ·F·x_a = 0, or H with x_b ~ H·x_a, for
-    /// pixels.
+    /// Matrix of that kind: E with d_bᵀ·E·d_a = 0 for directions; F, x_bᵀ·F·x_a = 0, or H, x_b ~ H·x_a, for pixels.
     pub matrix: Option<Matrix3<f64>>,
     /// Map from the frame of A's camera to that of B's.
     pub b_from_a: Option<Isometry3<f64>>,

@@ -95,8 +95,7 @@ fn ratio(a: f32, b: f32) -> f32 {
     (a / b).max(b / a)
 }
 
-/// Whether two slopes are less than a step of the grid apart on each axis, or a blob of scale `sigma` (input pixels)
-/// cannot tell them.
+/// Whether two slopes are under a step of the grid apart on each axis, or a blob of `sigma` input px cannot tell them.
 pub(crate) fn is_same_motion(trail: &Trail, a: Slope, b: Slope, sigma: f32) -> bool {
     let grid = trail.params().used_slopes();
     let ((i, j), (k, l)) = (grid.position(a), grid.position(b));

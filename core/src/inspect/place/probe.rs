@@ -51,8 +51,7 @@ pub struct ProbeOptions {
     /// Slope that is looked at, px/frame: candidates at the place that move by it come first. For
     /// [`ProbeSubject::Feature`] without one, the feature's.
     pub in_view: Option<Slope>,
-    /// Motion of the place: candidates that move by it come next. Without one, the slope at which the place responds
-    /// most.
+    /// Motion of the place, whose candidates come next. Without one, the slope at which the place responds most.
     pub motion: Option<PlaceMotion>,
     /// Pixels to each side in the slices.
     pub slice_half_px: usize,
@@ -102,8 +101,7 @@ pub struct Probe {
     pub reasons: Vec<Cause>,
     /// Motion of the place as given.
     pub motion: Option<PlaceMotion>,
-    /// Slope of that motion; without one that at which the place responds most, px/frame. `None` where no response is
-    /// clear.
+    /// Slope of that motion, or else that at which the place responds most, px/frame. `None` without a clear response.
     pub own_slope: Option<Slope>,
     /// Response over slope and scale.
     pub response: ResponseMap,

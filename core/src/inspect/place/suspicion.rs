@@ -384,8 +384,7 @@ pub(super) struct Strengths<'a> {
 
 /// Half of the range of SNRs that count as about as strong.
 const ALIKE_SNR: f32 = 0.25;
-/// Keypoints of SNR 3, 3.5, … on white noise for one that passes a gate of it, on 5 Mpx: fits find the peak between the
-/// samples.
+/// Keypoints of SNR 3, 3.5, … on 5 Mpx of white noise for one that passes that gate: fits find peaks between samples.
 const OF_SNR: [f64; 4] = [3.2, 2.4, 1.4, 1.1];
 /// Share of the keypoints of a strength that noise explains from which none of them is told from it.
 const EXPLAINED: f64 = 0.3;

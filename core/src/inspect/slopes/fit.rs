@@ -57,8 +57,7 @@ pub struct SlopeJudgement {
 }
 
 impl SlopeJudgement {
-    /// Whether the slopes hold the motion that the frames show, as more than are needed do; `None` where too little
-    /// shows.
+    /// Whether the slopes hold the motion that the frames show, also if they are too many; `None` if too little shows.
     pub fn holds(&self) -> Option<bool> {
         self.advice.as_ref().map(|advice| advice.subject == AdviceSubject::Cost).or(self.fits.then_some(true))
     }
@@ -234,8 +233,7 @@ impl<'a> Judging<'a> {
         Some(SlopeAdvice { subject: AdviceSubject::Frames, number, sentence, changes: Vec::new(), times })
     }
 
-    /// Frames too many, where the motion is not straight or carries the picture away: `fewer` of them, or the reason
-    /// alone.
+    /// Frames too many, where the motion is not straight or carries the picture away: `fewer`, or the reason alone.
     pub fn frames(&self, fewer: bool) -> Option<SlopeAdvice> {
         let (finding, frames) = (self.finding?, self.frames);
         let (left, why) = match finding.verdict {
@@ -366,8 +364,7 @@ impl<'a> Judging<'a> {
         }
     }
 
-    /// Where a part of the picture moves, by its field and some features, beyond the slopes that the frames show most
-    /// clearly.
+    /// Where a part of the picture moves, by its field and some features, beyond the slopes that the frames show best.
     pub fn beyond(&self) -> Option<Beyond> {
         // Without clear evidence nothing moves surely.
         self.field.filter(|_| !self.evidence.is_empty())?.beyond(&self.grid, Some(self.features))

@@ -179,8 +179,7 @@ impl Projection {
         self.about().0
     }
 
-    /// The plane's axes. `cameras` matter only for the principal plane, and for the free view, which begins as they
-    /// look.
+    /// The plane's axes. `cameras` matter only for the principal plane, and a free view, which begins as they look.
     pub fn axes(self, cameras: &[Isometry3<f64>]) -> PlaneAxes {
         match self.about().2 {
             Some([right, up]) => PlaneAxes { right, up },
@@ -202,8 +201,7 @@ impl PlaneAxes {
         self.up.cross(&self.right)
     }
 
-    /// The axes after the viewer went around by `around` to the right, about the axis up, and then higher by `above`,
-    /// degrees.
+    /// The axes after the viewer went `around` to the right, about the axis up, and then higher by `above`, degrees.
     pub fn turned(self, around: f64, above: f64) -> Self {
         let about = |axis: Vector3<f64>, degrees: f64| Rotation3::new(axis * degrees.to_radians());
         let right = about(self.up, around) * self.right;

@@ -119,7 +119,6 @@ impl ColourScale {
         value.filter(|value| value.is_finite()).map_or(UNKNOWN, |value| self.along(value))
     }
 
-    /// Colour of a motion by `slope`, where colours show motion.
     pub fn of_slope(&self, slope: Slope) -> Color32 {
         if self.by == ColourBy::Speed {
             return self.along(slope.magnitude());

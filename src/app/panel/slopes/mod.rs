@@ -3,6 +3,7 @@
 
 pub(super) mod chart;
 
+use crate::app::actions::{ActionId, button_ui};
 use crate::app::document::{Action, Queue, Side};
 use crate::app::panel::widgets::{error_ui, named, warning_ui, weak_ui, with_whole_numbers};
 use crate::app::results::{FoundFeatures, Read};
@@ -10,9 +11,9 @@ use crate::app::style;
 use crate::app::view::{number, signed_slope};
 use crate::burst::OpenOptions;
 use crate::detector::{Method, Slope, SlopeFinding, SlopeVerdict};
+use crate::inspect::result::TooFew;
 use crate::inspect::slopes::{SetUp, SlopeAdvice, SlopeJudgement, Spectrum, set_up_bounds};
-use crate::inspect::words::counted;
-use crate::inspect::words::grouped;
+use crate::inspect::words::{counted, grouped};
 use egui::{Align, Button, DragValue, Frame, Grid, Label, Margin, RichText, Role, ScrollArea, Ui, WidgetInfo, vec2};
 
 /// Maximum width of the charts, points; the advice gets the rest.
@@ -100,9 +101,7 @@ fn piece_ui(ui: &mut Ui, model: Read<'_>, name: &str, advice: &SlopeAdvice, queu
     if !advice.options().is_empty() {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 6.0;
-            let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply"));
-            named(&button, egui::Role::Button, name);
-            if button.on_hover_text(format!("Set {changes}; Ctrl+Z undoes it")).clicked() {
+            if is_applied(ui, model, name, &changes) {
                 queue.push(match advice.times.clone() {
                     None => Action::ApplyChanges(Side::A, advice.changes.clone()),
                     times => Action::Calibrate(OpenOptions { times, ..model.document.calibration.clone() }),
@@ -112,6 +111,26 @@ fn piece_ui(ui: &mut Ui, model: Read<'_>, name: &str, advice: &SlopeAdvice, queu
         });
     }
     ui.add_space(6.0);
+}
+
+fn is_applied(ui: &mut Ui, model: Read<'_>, name: &str, changes: &str) -> bool {
+    let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply"));
+    named(&button, Role::Button, name);
+    button.on_hover_text(format!("Set {changes}; Ctrl+Z undoes it")).clicked()
+}
+
+fn too_few_ui(ui: &mut Ui, model: Read<'_>, few: &TooFew, queue: &mut Queue) {
+    ui.horizontal_wrapped(|ui| {
+        let text = warning_ui(ui, with_whole_numbers(&few.for_window()));
+        if let Some((change, _)) = &few.change {
+            text.on_hover_text(change.parameter.help());
+            let is_applied = is_applied(ui, model, "Apply setting", &change.label());
+            queue.push_if(is_applied, Action::ApplyChanges(Side::A, vec![change.clone()]));
+        }
+        if model.features().is_empty() && model.document.workspace.inspects() {
+            button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
+        }
+    });
 }
 
 /// Slopes that were found from the frames, a clause; `None` where none were, or the finding says that something is odd.
@@ -135,7 +154,7 @@ pub fn verdict_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     Frame::new().fill(fill).corner_radius(4).inner_margin(Margin::symmetric(8, 5)).show(ui, |ui| {
         ui.set_width(ui.available_width());
         if let Some(few) = few {
-            crate::app::panel::status::too_few_ui(ui, model, few, queue);
+            too_few_ui(ui, model, few, queue);
         }
         if let Some(judgement) = judgement.filter(|judgement| judgement.advice.is_none()) {
             faultless_ui(ui, model, judgement, &found.map_or_else(String::new, |found| format!("; {found}")));

@@ -72,7 +72,6 @@ impl Datasets {
 const FILM_FRAMES: usize = 30;
 
 impl Read<'_> {
-    /// Place in the open dataset of the burst of a side.
     pub fn place_of(self, side: Side) -> Option<usize> {
         self.results.datasets.open.as_ref()?.place_of(&self.burst_of(side)?.source)
     }

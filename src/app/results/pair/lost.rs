@@ -70,7 +70,6 @@ impl LostFeatures {
     }
 }
 
-/// The step where a match was lost, and what it means.
 pub fn lost_words(lost: Lost) -> [&'static str; 2] {
     match lost {
         Lost::Not => ["matched", "Inliers"],

@@ -108,14 +108,12 @@ impl Matches {
         Some(MatchRow { index, found, a, b, inlier, error_px, error_found_px, aligned })
     }
 
-    /// Largest error of an inlier, pixels.
     pub fn max_error_px(&self) -> f32 {
         let part = if self.result.alignment.is_some() { NARROW } else { 1.0 };
         part * self.request.params.max_error_px
     }
 
-    /// Limit that the match `row` passes, which makes it an outlier; `None` for an inlier, and where no geometry is
-    /// known.
+    /// Limit that the match `row` passes, which makes it an outlier; `None` for an inlier, and without a geometry.
     pub fn passed_limit(&self, row: &MatchRow<'_>) -> Option<String> {
         let error = row.error_px.filter(|_| row.inlier == Some(false))?;
         let limit = self.max_error_px();
@@ -178,7 +176,6 @@ impl MatchRow<'_> {
         look.shows(self.inlier) && look.max_motion.is_none_or(|max| self.motion_apart() <= max)
     }
 
-    /// Difference of the motions in A and in B, px/frame.
     pub fn motion_apart(&self) -> f32 {
         let ((a, _), (b, _)) = (self.a.motion(), self.b.motion());
         (a.u - b.u).hypot(a.v - b.v)

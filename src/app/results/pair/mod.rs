@@ -71,7 +71,6 @@ impl<'a> Read<'a> {
         Some((most.unwrap_or(LINES_OF_METHODS) * agreed(method)).div_ceil(largest))
     }
 
-    /// Largest difference of the motions of a listed match, px/frame.
     pub fn largest_motion(self) -> f32 {
         let pair = &self.results.pair;
         let rows = pair.matches.iter().flat_map(|matches| pair.listed.iter().filter_map(|&index| matches.row(index)));
@@ -159,7 +158,6 @@ impl<'a> Read<'a> {
             .then_some("Stale matches: the parameters of matching changed")
     }
 
-    /// Side whose slope and scale the cursor sets now.
     pub fn active_side(self) -> Side {
         if self.shows_pair() { self.document.focused().side } else { Side::A }
     }

@@ -42,7 +42,6 @@ impl CameraText {
     }
 }
 
-/// Draws the parameters of the matches of two bursts, with the button that matches them, or of a dataset.
 pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
         if model.document.workspace.shows_pair() {
