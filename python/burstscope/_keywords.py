@@ -156,9 +156,10 @@ class MatchKeywords(TypedDict, total=False):
         sure matches alone; without motions, as of single frames, nothing changes. [default: true]
     align : bool
         Whether inliers are measured by the pictures of their places, each keypoint is moved to where its
-        matches agree, by at most 20 px, and what contradicts by more than 0.35 times the max error is no inlier
-        any more; a pair that keeps too few is refused: true or false. Switch it off for the sure or predicted
-        matches at the places of the blobs. [default: true]
+        matches agree, by at most 20 px, and what contradicts these by more than 0.35 times the max error, or
+        all matches around by more than the max error, is no inlier any more; a pair that keeps too few is
+        refused: true or false. Switch it off for the sure or predicted matches at the places of the blobs.
+        [default: true]
     max_error_px : float
         Max error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric
         transfer error. Unit: px. Raise it to keep less exact matches, and more wrong ones that fit by chance.
@@ -1243,8 +1244,9 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         geometry is refused, or with an alignment left to its pictures: true or false [default: true]
     align : bool
         Whether inliers are measured by the pictures of their places, each keypoint is moved to where its
-        matches agree, by at most 20 px, and what contradicts by more than 0.35 times the max error is no inlier
-        any more; a pair that keeps too few is refused: true or false [default: true]
+        matches agree, by at most 20 px, and what contradicts these by more than 0.35 times the max error, or
+        all matches around by more than the max error, is no inlier any more; a pair that keeps too few is
+        refused: true or false [default: true]
     max_error_px : float
         Max error of an inlier: the Sampson distance from epipolar geometry, or a homography's symmetric
         transfer error [default: 4]

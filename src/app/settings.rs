@@ -76,7 +76,6 @@ impl Settings {
         self.burst_length = source.burst_length.unwrap_or(self.burst_length);
     }
 
-    /// Actions that lead from the defaults to these settings.
     pub fn actions(&self) -> Queue {
         let (mut actions, plain) = (Queue::default(), Self::default());
         actions.set(&plain.panels, self.panels, Action::SetPanels);

@@ -155,7 +155,6 @@ pub(super) fn parse_slope(text: &str) -> Result<Slope, String> {
     slope.ok_or_else(|| format!("'{text}' is not U,V in pixels per frame, such as -2.1,0"))
 }
 
-/// Two values beside `separator` that are `valid`.
 pub(super) fn two<T: FromStr + Copy>(text: &str, separator: char, valid: fn(T) -> bool) -> Option<[T; 2]> {
     let (first, second) = text.split_once(separator)?;
     let value = |text: &str| text.trim().parse().ok().filter(|value| valid(*value));

@@ -127,6 +127,10 @@ fn an_outlier_says_the_limit_motions_filter_the_matches_and_a_match_tells_its_se
         assert_eq!(limit.is_some(), inlier == Some(false));
         assert!(inlier != Some(true) || error.unwrap() <= matches.max_error_px());
     }
+    let contradicted = &matches.result.alignment.as_ref().unwrap().contradicted;
+    let said = |index: &usize| matches.passed_limit(&matches.row(*index).unwrap()).unwrap();
+    assert!(!contradicted.is_empty());
+    contradicted.keys().for_each(|index| assert!(said(index).starts_with("All matches around put it "), "{index}"));
     let expected = matches.passed_limit(&matches.row(outlier).unwrap()).unwrap();
     window.change(|document| document.selected_match = Some(outlier)).settle();
     assert!(window.shows(&expected), "{expected}");

@@ -45,7 +45,7 @@ pub(super) struct KeptBurst {
 }
 
 impl KeptBurst {
-    /// Checksums of what a pair of this burst is matched from: its features, and what was `made_from` its frames.
+    /// Checksums of all sources of a pair in this burst: features, and whatever else was `made_from` the frames.
     #[cfg(feature = "colmap")]
     pub fn key(&self, made_from: &MadeFrom) -> Value {
         let frames: Vec<Value> = self.files.iter().map(FileStamp::content).collect();

@@ -36,7 +36,7 @@ pub(super) struct PairFound {
 }
 
 impl PairFound {
-    pub fn of(Unaligned { result, measured }: &Unaligned, beside: Vec<(Inlier, Measured)>) -> Self {
+    pub fn of(Unaligned { result, measured, .. }: &Unaligned, beside: Vec<(Inlier, Measured)>) -> Self {
         let verified = result.verification.as_ref();
         let agreed = |index: &usize| verified.is_some_and(|verified| verified.inlier[*index]);
         let inlier = |index: usize| (Inlier::from(&result.matches[index]), measured[index]);

@@ -235,12 +235,16 @@ fn at_prediction(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
 
 /// Why the pictures contradict a match that is no inlier after the alignment, where they were looked at.
 fn pictures_of(pair: &ComparedPair<'_>, index: usize) -> Option<String> {
-    let looked_at = pair.result.alignment.as_ref().and_then(|alignment| {
-        let number = pair.result.matches.binary_search_by_key(&index, |m| m.a).ok()?;
-        alignment.was_inlier[number].then_some(alignment.measured[number])
-    })?;
-    Some(match looked_at {
-        None => ": the picture of its place is not found there".to_owned(),
+    let alignment = pair.result.alignment.as_ref()?;
+    let number = pair.result.matches.binary_search_by_key(&index, |m| m.a).ok()?;
+    if !alignment.was_inlier[number] {
+        return None;
+    }
+    Some(match alignment.measured[number] {
+        None => alignment.contradicted.get(&number).map_or_else(
+            || ": the picture of its place is not found there".to_owned(),
+            |off_px| format!(": the matches around put its place {off_px:.1} px from where its picture is found"),
+        ),
         Some((measured, residual_px)) => format!(
             ": the pictures of the two (correlation {:.2}) are {residual_px:.1} px from where others put them",
             measured.correlation

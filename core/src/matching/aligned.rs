@@ -12,6 +12,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::{burst::Burst, error::Result, plane::Plane};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Max error before the alignment, as a part of [`MatchParams::max_error_px`]: places are uncertain.
 const WIDE: f32 = 2.0;
@@ -114,7 +115,6 @@ impl Pictures {
         &self.places.first
     }
 
-    /// Place of a feature, by its number.
     pub(super) fn place(&self, feature: usize) -> usize {
         self.places.of_feature[feature]
     }
@@ -155,6 +155,9 @@ pub struct PairAlignment {
     pub was_inlier: Vec<bool>,
     /// For each match its measurement, and the contradiction with the solved places, pixels; `None` if not measured.
     pub measured: Vec<Option<(Measured, f64)>>,
+    /// Measured matches that all those around contradict, in A and in B, which counts as not measured: the distance,
+    /// pixels, from the nearest place where one of these expects it, by the match's index; above the max error.
+    pub contradicted: BTreeMap<usize, f64>,
 }
 
 impl PairAlignment {
@@ -169,7 +172,7 @@ impl PairAlignment {
 pub(super) fn align_pair(
     result: &mut MatchResult,
     sides: [MatchSide<'_>; 2],
-    measured: &[Option<Measured>],
+    (measured, contradicted): (&[Option<Measured>], BTreeMap<usize, f64>),
     params: &MatchParams,
     monitor: &Monitor,
 ) -> Result<()> {
@@ -206,7 +209,7 @@ pub(super) fn align_pair(
     result.counts.refused = confirmed.model.is_none().then_some(Refusal::Pictures);
     let verification = Verification { inlier, error_px, ..confirmed };
     let was_inlier = result.verification.replace(verification).map_or_else(Vec::new, |before| before.inlier);
-    result.alignment = Some(PairAlignment { was_inlier, places: [a, b], measured });
+    result.alignment = Some(PairAlignment { was_inlier, places: [a, b], measured, contradicted });
     Ok(())
 }
 

@@ -30,6 +30,7 @@ use align::Measured;
 pub use aligned::{PairAlignment, Pictures};
 use aligned::{align_pair, before_alignment, measure_inliers};
 pub use beside::beside;
+use beside::forget_contradicted;
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
 pub use params::{Geometry, MatchParams};
 pub use predicted::{Agreement, Expected, PREDICTED_RATIO, Prediction};
@@ -41,6 +42,7 @@ use crate::detector::{Descriptor, Feature, Slope};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The matches of two images, A and B.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,8 +100,10 @@ impl From<&Feature> for Blob {
 pub struct Unaligned {
     /// The matches, verified with the wider error of uncertain places where an alignment follows.
     pub result: MatchResult,
-    /// For each match what the pictures say; `None` for what is no inlier, and without an alignment.
+    /// For each match what the pictures say; `None` for what is no inlier, or contradicted, and without an alignment.
     pub measured: Vec<Option<Measured>>,
+    /// Measured matches that those around contradict, as [`PairAlignment::contradicted`].
+    pub contradicted: BTreeMap<usize, f64>,
 }
 
 impl Unaligned {
@@ -108,8 +112,8 @@ impl Unaligned {
     /// # Errors
     /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
     pub fn aligned(self, sides: [MatchSide<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
-        let Self { mut result, measured } = self;
-        align_pair(&mut result, sides, &measured, params, monitor)?;
+        let Self { mut result, measured, contradicted } = self;
+        align_pair(&mut result, sides, (&measured, contradicted), params, monitor)?;
         Ok(result)
     }
 }
@@ -177,16 +181,17 @@ pub fn match_features([a, b]: [MatchSide<'_>; 2], params: &MatchParams, monitor:
             None => {}
         }
     }
-    let measured = match (pictures, &verification) {
+    let mut measured = match (pictures, &verification) {
         (Some(pictures), Some(verified)) => measure_inliers(&matches, &verified.inlier, pictures, monitor)?,
         _ => vec![None; matches.len()],
     };
+    let contradicted = forget_contradicted([a, b], (&matches, &mut measured), f64::from(params.max_error_px));
     let (keypoints_a, keypoints_b, putative) = (a.places.len(), b.places.len(), matches.len());
     let inliers = verification.as_ref().map(Verification::inlier_count);
     let not_mutual = Some(neighbours.not_mutual(&matches));
     let counts = MatchCounts { keypoints_a, keypoints_b, putative, inliers, refused, not_mutual };
     let result = MatchResult { matches, verification, prediction, alignment: None, counts };
-    Ok(Unaligned { result, measured })
+    Ok(Unaligned { result, measured, contradicted })
 }
 
 /// Reason why the geometry of a pair, on which enough matches agreed, is not believed.

@@ -199,7 +199,7 @@ pub mod doc {
         Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.predict)).used_if(verified);
 
         ALIGN: "align", "Align", "", "match";
-        "Whether inliers are measured by the pictures of their places, each keypoint is moved to where its matches agree, by at most 20 px, and what contradicts by more than 0.35 times the max error is no inlier any more; a pair that keeps too few is refused: true or false.",
+        "Whether inliers are measured by the pictures of their places, each keypoint is moved to where its matches agree, by at most 20 px, and what contradicts these by more than 0.35 times the max error, or all matches around by more than the max error, is no inlier any more; a pair that keeps too few is refused: true or false.",
         "Switch it off for the sure or predicted matches at the places of the blobs.",
         Param::<MatchParams>::new("BOOL", Stage::Matching, |p| Field::Flag(&mut p.align)).used_if(verified);
 

@@ -85,7 +85,7 @@ fn beside_few_measured_matches_lie_the_others_each_at_its_place_and_once() {
     let new = beside(sides, &few, &params, &quiet()).expect("not cancelled");
     println!("{} beside {} inliers of {} features", new.len(), verified.inlier_count(), found[0].features.len());
     assert!(new.len() > 100 && 2 * new.len() > verified.inlier_count());
-    let inliers = few.result.matches.iter().zip(&verified.inlier).filter(|(_, inlier)| **inlier);
+    let inliers = few.result.matches.iter().zip(&few.measured).filter(|(_, measured)| measured.is_some());
     let inliers: Vec<[usize; 2]> = inliers.map(|(m, _)| [m.a, m.b]).collect();
     let new: Vec<([usize; 2], Measured)> = new.iter().map(|(m, of)| ([m.a as usize, m.b as usize], *of)).collect();
     for (k, side) in sides.iter().enumerate() {

@@ -44,9 +44,8 @@ pub struct StudyCurve {
     pub method: Option<BurstMethod>,
     /// Row's value of all points, a ratio or a number of frames; `None` where each point has its own row, by its x.
     pub row: Option<f64>,
-    /// The line. Its colour is the method's, or one that no other curve of its plot has. Its spread is one standard
-    /// error to both sides of a mean, or a median and 95 %. The dot of a ROC curve is the default threshold, the mean
-    /// over the charts.
+    /// The line, in the method's colour or one that no other curve of the plot has. Its spread is one standard error to
+    /// both sides of a mean, or a median and 95 %; the dot of a ROC curve is the default threshold, a mean over charts.
     pub line: Series,
 }
 

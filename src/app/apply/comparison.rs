@@ -68,7 +68,6 @@ pub(super) fn take_comparison(model: &mut Model, side: Side, ended: Ended<Compar
     }
 }
 
-/// Ends comparisons with a reference that is not there any more.
 pub(super) fn check_references(model: &mut Model) {
     for side in Side::BOTH {
         let slot = &mut model.results.slots[side];

@@ -9,7 +9,6 @@ use crate::engine::Ended;
 use crate::requests::{CoherenceRequest, ExplainQuestion, ExplainRequest, Explanation};
 use std::sync::Arc;
 
-/// Also after they failed or were cancelled.
 pub fn want_decoys(model: &mut Model) {
     model.results.explained.asked_decoys.forget();
     model.results.explained.wanted_decoys = Read::of(model).decoys_request();

@@ -119,9 +119,8 @@ pub(in crate::app) fn clear_probe_of(model: &mut Model, side: Side) {
     }
 }
 
-/// An example that was opened as A gets its own grid of slopes if none was given, and is probed at its place of
-/// interest if detections start automatically. The next burst, for which `before` is that example, drops the grid
-/// again.
+/// An example opened as A gets its own grid of slopes if none was given, and is probed at its place of interest if
+/// detections start automatically. The next burst, for which `before` is that example, drops the grid again.
 pub fn start_probe(model: &mut Model, before: Option<&BurstSource>) {
     let grid = |example: Example| {
         let (range, count) = example.slopes_u();

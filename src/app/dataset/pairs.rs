@@ -227,7 +227,6 @@ fn names(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: 
     }
 }
 
-/// Draws the list. Returns the double-clicked pair.
 pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mut Queue) -> Option<BurstPair> {
     if dataset.matches.counts.is_empty() {
         instead_ui(ui, "Match pairs to see them here");

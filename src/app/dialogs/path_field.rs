@@ -87,7 +87,6 @@ impl PathField {
     }
 }
 
-/// Most names on offer at a time.
 const MOST: usize = 200;
 
 fn folder_of(text: &str) -> PathBuf {

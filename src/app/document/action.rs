@@ -47,7 +47,6 @@ macro_rules! actions {
         }
 
         impl Action {
-            /// Makes a change of the document alone; the others leave it as it is.
             pub fn change(self, of: &mut Document) {
                 match self {
                     $(Self::$set(value) => of.$($field).+ = value,)*

@@ -93,7 +93,6 @@ impl Workspace {
 }
 
 impl Document {
-    /// Whether panes of several methods are on show, in *One burst*.
     pub fn compares_methods(&self) -> bool {
         self.workspace.inspects() && self.panes.open == PaneGroup::Methods
     }

@@ -27,7 +27,6 @@ fn text_ui(ui: &mut Ui, title: &str, add_contents: impl FnOnce(&mut Ui)) {
     });
 }
 
-/// Draws the open lesson; returns what was asked of it.
 pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: Read<'_>, queue: &mut Queue) -> Option<LessonAction> {
     let next = lessons.next_lesson();
     let (open, mut asked) = (lessons.open.as_mut()?, None);

@@ -20,7 +20,6 @@ use egui::{
 #[derive(Default)]
 pub struct DisplayState([crate::app::histogram::HistogramPanel; RangeClass::Motion as usize + 1]);
 
-/// Draws the section, with the rows for features where they are drawn.
 pub fn display_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, with_features: bool, queue: &mut Queue) {
     section_ui(ui, "Display", |ui| {
         range_ui(ui, model, model.document.focus(), widgets, queue);

@@ -120,7 +120,6 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     pointed
 }
 
-/// A table without columns, as large as its room.
 pub(in crate::app) fn striped_table(ui: &mut Ui) -> TableBuilder<'_> {
     let table = TableBuilder::new(ui).striped(true).cell_layout(Layout::left_to_right(Align::Center));
     table.min_scrolled_height(0.0).auto_shrink(false)

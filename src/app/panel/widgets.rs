@@ -142,7 +142,6 @@ pub fn tip_ui(ui: &Ui, id: &str, add_contents: impl FnOnce(&mut Ui)) {
     egui::Tooltip::always_open(ui.ctx().clone(), ui.layer_id(), id, anchor).gap(14.0).show(add_contents);
 }
 
-/// A plot that the pointer neither moves nor zooms.
 pub fn still_plot<'a>(id: impl std::hash::Hash + std::fmt::Debug) -> Plot<'a> {
     Plot::new(id).allow_zoom(false).allow_drag(false).allow_scroll(false)
 }
@@ -167,9 +166,8 @@ const KEPT_PASSES: u64 = 600;
 /// The square of values that are drawn whole.
 pub const WHOLE: [f32; 4] = [0.0; 4];
 
-/// Draws values into `rect` as sharp pixels. Their texture is kept under `name`, which is unique in the window, and
-/// made anew when their origin, the square of it or `display` have changed. Without `values` the last one is drawn
-/// again.
+/// Draws values into `rect` as sharp pixels. Their texture, kept under a `name` that is unique in the window, is made
+/// anew when their origin, its square or `display` has changed. Without `values` the last one is drawn again.
 pub fn draw_plane(
     ui: &Ui,
     (name, rect): (&str, Rect),
@@ -296,7 +294,6 @@ pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color
     lay_out(shortened(fits))
 }
 
-/// Width of a text in one line, points.
 pub fn text_width(ui: &Ui, text: impl Into<WidgetText>) -> f32 {
     text.into().into_galley(ui, Some(egui::TextWrapMode::Extend), f32::INFINITY, egui::TextStyle::Body).size().x
 }

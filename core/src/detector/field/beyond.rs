@@ -99,7 +99,6 @@ impl Beyond {
     }
 }
 
-/// Field of motion of the frames `used` over the slopes of `grid`.
 pub(crate) fn field_over(
     grid: &SlopeGrid,
     burst: &Burst,

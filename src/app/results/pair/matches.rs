@@ -122,6 +122,10 @@ impl Matches {
         let passed = |what: &str, px: f32, why| format!("{what} {px:.2} px, at most {limit:.2} px is allowed{why}");
         Some(match &self.result.alignment {
             None if error > limit => passed("Error", error, ""),
+            Some(alignment) if let Some(off_px) = alignment.contradicted.get(&row.index) => {
+                let (off_px, most_px) = (number(*off_px as f32, 2), self.request.params.max_error_px);
+                format!("All matches around put it {off_px} px off, at most the max error of {most_px} px is allowed")
+            }
             Some(_) if error > limit => passed("Error aligned", error, &why),
             Some(alignment) if !alignment.was_inlier[row.index] => {
                 "Too far from the geometry before the alignment".into()

@@ -27,7 +27,6 @@ impl SortedColumn for MatchColumn {
     }
 }
 
-/// Draws the table; returns the match whose row is under the pointer.
 pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) -> Option<usize> {
     let pair = &model.results.pair;
     let matches = pair.matches.as_ref()?;
