@@ -95,7 +95,7 @@ fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -> Re
     Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
 }
 
-/// Store of trails; clones share it. Any budget gives the same answers, but for the tally of what was judged again.
+/// Store of trails, shared by clones. Any budget gives the same answers, but not tallies of work done again or resumed.
 #[derive(Debug, Clone, Default)]
 pub struct Trails {
     state: Arc<Mutex<State>>,

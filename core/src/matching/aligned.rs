@@ -155,8 +155,8 @@ pub struct PairAlignment {
     pub was_inlier: Vec<bool>,
     /// For each match its measurement, and the contradiction with the solved places, pixels; `None` if not measured.
     pub measured: Vec<Option<(Measured, f64)>>,
-    /// Measured matches that all those around contradict, in A and in B, which counts as not measured: the distance,
-    /// pixels, from the nearest place where one of these expects it, by the match's index; above the max error.
+    /// Distance of each contradicted match from the nearest place where one around expects it, pixels, above the max
+    /// error; by the match's index. All around contradict it, in A and in B, so that it counts as not measured.
     pub contradicted: BTreeMap<usize, f64>,
 }
 

@@ -40,7 +40,7 @@ impl Anchor {
         Self { at: a.places[i], to: [0, 1].map(|k| b.places[j][k] + measured.shift_px[k]), measured }
     }
 
-    /// The same from B to A; `None` for a map that leads nowhere back.
+    /// Match seen from B, by the inverse of its Jacobian; `None` where that is singular.
     fn back(&self) -> Option<Self> {
         let [[uu, uv], [vu, vv]] = self.measured.jacobian;
         let det = uu * vv - uv * vu;

@@ -102,7 +102,7 @@ pub struct Unaligned {
     pub result: MatchResult,
     /// For each match what the pictures say; `None` for what is no inlier, or contradicted, and without an alignment.
     pub measured: Vec<Option<Measured>>,
-    /// Measured matches that those around contradict, as [`PairAlignment::contradicted`].
+    /// Distances of contradicted matches, pixels, as [`PairAlignment::contradicted`].
     pub contradicted: BTreeMap<usize, f64>,
 }
 

@@ -51,7 +51,7 @@ pub struct ProbeOptions {
     /// Slope that is looked at, px/frame: candidates at the place that move by it come first. For
     /// [`ProbeSubject::Feature`] without one, the feature's.
     pub in_view: Option<Slope>,
-    /// Motion of the place, whose candidates come next. Without one, the slope at which the place responds most.
+    /// Motion of the place: candidates with it come next. Without one, the slope at which the place responds most.
     pub motion: Option<PlaceMotion>,
     /// Pixels to each side in the slices.
     pub slice_half_px: usize,
