@@ -102,8 +102,7 @@ pub(super) fn purpose_of_dropped(
     }
 }
 
-/// Change that the chosen files stand for. `None` for those that change no document, and for those that cannot be read,
-/// of which a message tells.
+/// Change that the chosen files stand for; `None` where they change no document, or cannot be read: a message says so.
 pub(super) fn action_of(purpose: Purpose, paths: Vec<PathBuf>, messages: &mut Messages) -> Option<Action> {
     let first = paths.first()?.clone();
     // A name that is typed may be that of a built-in burst, as on the command line.

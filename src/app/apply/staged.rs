@@ -51,8 +51,7 @@ fn end_lesson(model: &mut Model, keeps_opening: bool, engine: &Engine) -> Option
     Some(Effect::ForgetWidgets)
 }
 
-/// Shows another project, and returns the one on show until now. The dataset, the Lab and the colours of the window
-/// stay, so that their work goes on.
+/// Shows another project, and returns the former one. Dataset, Lab and colours of the window stay: their work goes on.
 fn show(model: &mut Model, document: Document, results: Results, history: History) -> (Document, Results, History) {
     let Document { theme, dataset, pairs, lab, .. } = model.document.clone();
     let document = Document { theme, dataset, pairs, lab, ..document };

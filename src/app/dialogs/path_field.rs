@@ -22,8 +22,7 @@ impl PathField {
         Self { purpose, begun: text.clone(), text, instead_of_dialog, fresh: true, chooses: false }
     }
 
-    /// Draws the field. `recent` are paths that were opened for its purpose. Returns a path that was accepted, and
-    /// whether the field stays open.
+    /// Draws the field, with `recent` paths of its purpose. Returns an accepted path, and whether the field stays open.
     pub fn ui(
         &mut self,
         ctx: &egui::Context,

@@ -105,6 +105,7 @@ fn what_to_do(model: Read<'_>, side: Side) -> &'static str {
 const COLUMNS: [(&str, f32); 7] =
     [("", 104.0), ("u", 54.0), ("v", 54.0), ("σ", 44.0), ("Slope", 96.0), ("Ours", 48.0), ("", 0.0)];
 
+/// Returns the clicked row.
 fn table_ui(ui: &mut Ui, model: Read<'_>, side: Side, shown: &Shown, queue: &mut Queue) -> Option<usize> {
     let (set, hovered_before) = (&model.document.comparisons[side], model.results.slots[side].comparison.hovered);
     let items: Vec<usize> = (0..shown.rows.len()).filter(|&row| set.shows(shown.rows[row].kind)).collect();

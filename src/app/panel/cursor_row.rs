@@ -26,6 +26,7 @@ impl<'a> CursorRow<'a> {
         Self { label, help, range, marks: &[], whole: true, slides }
     }
 
+    /// Draws the row; returns whether `value` was changed.
     pub fn ui(self, ui: &mut Ui, value: &mut f32) -> bool {
         let before = *value;
         let row = ui.horizontal(|ui| {

@@ -119,8 +119,7 @@ fn patches_ui(ui: &mut Ui, model: Read<'_>, feature: &Feature) {
 const CELLS: usize = 4;
 const DIRECTIONS: usize = 8;
 
-/// Draws the roses in a square of `side` points, in the feature's own frame: its orientation points to the right.
-/// `name` is for screen readers.
+/// Draws the roses in a square of `side` points, the feature's orientation to the right; `name` is for screen readers.
 pub fn descriptor_ui(ui: &mut Ui, name: &str, descriptor: &Descriptor, side: f32) {
     let stroke = Stroke::new(1.5, ui.visuals().hyperlink_color);
     let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());

@@ -294,6 +294,7 @@ pub fn middle_elided(painter: &Painter, text: &str, font: &FontId, colour: Color
     lay_out(shortened(fits))
 }
 
+/// Width of a text in one line, points.
 pub fn text_width(ui: &Ui, text: impl Into<WidgetText>) -> f32 {
     text.into().into_galley(ui, Some(egui::TextWrapMode::Extend), f32::INFINITY, egui::TextStyle::Body).size().x
 }

@@ -29,8 +29,7 @@ const MARGIN: f64 = 0.06;
 /// Degrees around and above from which a free view is first seen, so that it shows depth.
 pub const ORBIT_BEGINS: [f32; 2] = [30.0, 20.0];
 
-/// Corners of a picture of 4:3 and 62° before a camera, in parts of the section shown: sparse models are read without
-/// their cameras' angles.
+/// Corners of a 4:3 picture of 62° before a camera, in parts of the section shown: models are read without angles.
 const FRUSTUM: [[f64; 3]; 4] =
     [[-0.024, -0.018, 0.04], [0.024, -0.018, 0.04], [0.024, 0.018, 0.04], [-0.024, 0.018, 0.04]];
 

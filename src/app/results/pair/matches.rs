@@ -180,6 +180,7 @@ impl MatchRow<'_> {
         look.shows(self.inlier) && look.max_motion.is_none_or(|max| self.motion_apart() <= max)
     }
 
+    /// Difference of the motions in A and in B, px/frame.
     pub fn motion_apart(&self) -> f32 {
         let ((a, _), (b, _)) = (self.a.motion(), self.b.motion());
         (a.u - b.u).hypot(a.v - b.v)

@@ -71,6 +71,7 @@ impl<'a> Read<'a> {
         Some((most.unwrap_or(LINES_OF_METHODS) * agreed(method)).div_ceil(largest))
     }
 
+    /// Largest difference of the motions of a listed match, px/frame.
     pub fn largest_motion(self) -> f32 {
         let pair = &self.results.pair;
         let rows = pair.matches.iter().flat_map(|matches| pair.listed.iter().filter_map(|&index| matches.row(index)));
